@@ -57,8 +57,8 @@ struct HtmlOptions {
     std::optional<Camera> camera{};  ///< first view; none: the paper view of the first model
     /// Factor on density, > 0; none: for each model the auto_extinction of its first view.
     std::optional<double> extinction{};
-    TransferFunction tf = named_transfer_function("inferno");  ///< first colours
-    ShadeOptions shading{};                                    ///< background and blend
+    TransferFunction tf = named_transfer_function(kDefaultMap);  ///< first colours
+    ShadeOptions shading{};                                      ///< background and blend
     HtmlQuantity quantity{};
     /// All numbers four times as fine, for 4 bytes more a Gaussian: the rims of opaque surfaces differ by
     /// 2 of 255 from the splat renderer's, else by up to 10 (docs/web.md).

@@ -32,6 +32,9 @@ struct TransferFunction {
     std::vector<OpacityPoint> opacity;  ///< sorted by v; empty: opacity 1
 };
 
+/// Map of pictures whose user has not chosen one: inferno without its dark end, so that thin fog has a colour on black.
+inline constexpr const char* kDefaultMap = "ember";
+
 /// Colour of a transfer function at one V, with the opacity as alpha.
 /// v       [0, 1]
 /// throws  vog::Error for a v out of range or an invalid tf
@@ -71,11 +74,17 @@ Rgba named_background(const std::string& name);
 /// Options of shade.
 struct ShadeOptions {
     Rgba background{0, 0, 0, 1};  ///< components in [0, 1]; a = 0: a picture to lay over others
-    bool blend = false;  ///< multiply opacity by V, as the paper does: a fade to the background
+    bool blend =
+        false;  ///< multiply opacity by V, as the paper does: a fade to the background, in the colours of fading()
 };
+/// V below which colours fade out, so that the ends of supports make no edges.
+inline constexpr float kRim = 0.05f;
+/// Colours that fade: those from the first one of a luma of 0.2 on, over all of [0, 1]. Dark colours of small opacity would make a
+/// dark rim over any brighter background. Maps that are dark beyond V = 0.5 stay.
+TransferFunction fading(const TransferFunction& tf);
 
-/// Shades a depth image. Where T > 0, a pixel is mix(background, tf(V), opacity), elsewhere the
-/// background. Over a transparent background (a = 0) a pixel is tf(V) with alpha = opacity, not
+/// Shades a depth image. Where T > 0, a pixel is mix(background, tf(V), opacity min(V / kRim, 1)), with blend
+/// mix(background, fading(tf)(V), opacity V), elsewhere the background. Over a transparent background (a = 0) a pixel is tf(V) with alpha = opacity, not
 /// multiplied into the colour.
 /// throws  vog::Error for a T that is negative or not finite, an invalid tf, or a background with a
 ///         component off [0, 1]

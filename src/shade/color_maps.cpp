@@ -82,6 +82,10 @@ struct NamedMap {
 
 // Last two: the paper's maps for particles (white to red on black) and Enzo (blue to white).
 const NamedMap kMaps[] = {
+    {"white",
+     [] {
+         return std::vector<ColorPoint>{{0, 1, 1, 1}};
+     }},
     {"gray",
      [] {
          return std::vector<ColorPoint>{{0, 0, 0, 0}, {1, 1, 1, 1}};
@@ -90,6 +94,7 @@ const NamedMap kMaps[] = {
     {"cividis", [] { return from_table(kCividis); }},
     {"plasma", [] { return from_table(kPlasma); }},
     {"inferno", [] { return from_table(kInferno); }},
+    {"ember", [] { return colors_from(from_table(kInferno), 0.38f); }},
     {"magma", [] { return from_table(kMagma); }},
     {"hot",
      [] {

@@ -33,10 +33,11 @@ Rgba over(const Rgba& front, const Rgba& back) {
             back.a == 1 ? 1 : alpha};
 }
 
-/// Shades by position(value), [0, 1], the pixels of which shows(value) is true.
-template <class Shows, class Position>
+/// Shades by position(value), [0, 1], the pixels of which shows(value) is true, with opacity times weight(position).
+template <class Shows, class Position, class Weight>
 Image shade_by(int width, int height, std::span<const float> values, const TransferFunction& tf,
-               const ShadeOptions& options, const Shows& shows, const Position& position) {
+               const ShadeOptions& options, const Shows& shows, const Position& position,
+               const Weight& weight) {
     require_valid("transfer function " + tf.name, tf);
     const Rgba& background = options.background;
     for (const float c : {background.r, background.g, background.b, background.a})
@@ -58,8 +59,7 @@ Image shade_by(int width, int height, std::span<const float> values, const Trans
                               }
                               const float v = position(t);
                               const auto [r, g, b] = color(v);
-                              const float a =
-                                  (opaque ? 1 : opacity(v)[0]) * (options.blend ? v : 1);
+                              const float a = (opaque ? 1 : opacity(v)[0]) * weight(v);
                               image.pixel[i] = over({r, g, b, a}, background);
                           }
                       });
@@ -67,6 +67,7 @@ Image shade_by(int width, int height, std::span<const float> values, const Trans
 }
 
 bool is_positive(float value) { return value > 0; }
+float whole(float) { return 1; }
 
 /// throws vog::Error for options or a scale that do not go with values
 void check_values(const ColorScale& scale, const ShadeOptions& options) {
@@ -79,8 +80,10 @@ void check_values(const ColorScale& scale, const ShadeOptions& options) {
 
 Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options) {
     require_valid("shade", depth);
-    return shade_by(depth.width, depth.height, depth.depth, tf, options, is_positive,
-                    [](float t) { return 1 - std::exp(-t); });
+    return shade_by(
+        depth.width, depth.height, depth.depth, options.blend ? fading(tf) : tf, options,
+        is_positive, [](float t) { return 1 - std::exp(-t); },
+        [&](float v) { return options.blend ? v : std::min(v / kRim, 1.0f); });
 }
 
 Image shade_values(const DepthImage& values, const TransferFunction& tf, const ColorScale& scale,
@@ -89,7 +92,8 @@ Image shade_values(const DepthImage& values, const TransferFunction& tf, const C
     require_valid("shade", values);
     return shade_by(
         values.width, values.height, values.depth, tf, options, is_positive,
-        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); });
+        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); },
+        whole);
 }
 
 Image shade_map(const ValueMap& map, const TransferFunction& tf, const ColorScale& scale,
@@ -99,7 +103,8 @@ Image shade_map(const ValueMap& map, const TransferFunction& tf, const ColorScal
     return shade_by(
         map.width, map.height, map.value, tf, options,
         [](float value) { return !std::isnan(value); },
-        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); });
+        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); },
+        whole);
 }
 
 }  // namespace vog

@@ -31,6 +31,31 @@ void shading::require_valid(const std::string& where, const TransferFunction& tf
     require_points(where, "opacity", tf.opacity);
 }
 
+std::vector<ColorPoint> shading::colors_from(const std::vector<ColorPoint>& colors, float first) {
+    const auto [r, g, b] = Ramp<3>(colors)(first);
+    std::vector<ColorPoint> rest{{0, r, g, b}};
+    for (ColorPoint point : colors) {
+        if (point.v <= first) continue;
+        point.v = (point.v - first) / (1 - first);
+        rest.push_back(point);
+    }
+    return rest;
+}
+
+TransferFunction fading(const TransferFunction& tf) {
+    require_valid("transfer function " + tf.name, tf);
+    constexpr int kSteps = 64;
+    constexpr float kLuma = 0.2f;
+    const Ramp<3> color(tf.color);
+    for (int n = 0; n <= kSteps / 2; ++n) {
+        const float v = static_cast<float>(n) / kSteps;
+        const auto [r, g, b] = color(v);
+        if (0.2126f * r + 0.7152f * g + 0.0722f * b < kLuma) continue;
+        return n == 0 ? tf : TransferFunction{tf.name, colors_from(tf.color, v), tf.opacity};
+    }
+    return tf;
+}
+
 Rgba color_at(const TransferFunction& tf, float v) {
     require_valid("transfer function " + tf.name, tf);
     if (!in_unit_range(v))

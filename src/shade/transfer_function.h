@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "vog/shade.h"
 
@@ -9,6 +10,9 @@ namespace vog::shading {
 
 /// throws vog::Error unless there is a colour, v is sorted, and all numbers are in [0, 1]
 void require_valid(const std::string& where, const TransferFunction& tf);
+
+/// The colours from v = first on, < 1, over [0, 1].
+std::vector<ColorPoint> colors_from(const std::vector<ColorPoint>& colors, float first);
 
 /// Whether named_transfer_function accepts the name.
 bool is_transfer_function_name(const std::string& name);

@@ -49,7 +49,8 @@ TEST(shade, color_is_that_of_visibility) {
     const TransferFunction gray = named_transfer_function("gray");
     for (const float t : {1e-6f, 0.01f, 0.5f, 1.0f, 4.0f, 20.0f, 1e30f}) {
         const auto v = static_cast<float>(-std::expm1(-double{t}));
-        expect_near(shade_one(t, gray), {v, v, v, 1}, kRounding, std::to_string(t));
+        const float grey = v * std::min(v / kRim, 1.0f);
+        expect_near(shade_one(t, gray), {grey, grey, grey, 1}, kRounding, std::to_string(t));
     }
 }
 
@@ -58,7 +59,36 @@ TEST(shade, zero_depth_is_background_and_nothing_else_is) {
     const ShadeOptions options{.background = {0.2f, 0.3f, 0.4f, 1}};
     EXPECT_EQ(shade_one(0, map, options), options.background);
     EXPECT_EQ(shade_one(-0.0f, map, options), options.background);
-    EXPECT_EQ(shade_one(1e-30f, map, options), (Rgba{0, 1, 0, 1}));
+    EXPECT_EQ(shade_one(0.06f, map, options), (Rgba{0, 1, 0, 1}));
+}
+
+TEST(shade, rims_fade_out) {
+    const TransferFunction map{"map", {{0, 0, 1, 0}, {1, 0, 1, 0}}, {}};
+    const ShadeOptions options{.background = {1, 0, 0, 1}};
+    const float t = -std::log1p(-0.4f * kRim);
+    expect_near(shade_one(t, map, options), {0.6f, 0.4f, 0, 1}, kRounding, "two fifths");
+    expect_near(shade_one(1e-30f, map, options), options.background, kRounding, "nearly nothing");
+}
+
+TEST(shade, blended_fog_has_no_dark_rim) {
+    const auto luma = [](const Rgba& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; };
+    for (const char* name : {"ember", "white", "inferno", "magma", "hot", "gray", "cubehelix"})
+        for (const Rgba& ground :
+             {Rgba{0.2f, 0.4f, 0.6f, 1}, Rgba{0.1f, 0.3f, 0.1f, 1}, Rgba{0, 0, 0, 1}}) {
+            const TransferFunction tf = named_transfer_function(name);
+            for (float t = 0.01f; t < 6; t *= 1.1f) {
+                const float least = std::min(luma(ground), 0.2f);
+                EXPECT_GE(luma(shade_one(t, tf, {ground, true})), least - 1e-3f)
+                    << name << " " << t;
+            }
+        }
+}
+
+TEST(shade, thin_fog_has_a_hue_on_black) {
+    const Rgba thin = shade_one(0.06f, named_transfer_function(kDefaultMap));
+    EXPECT_GT(0.2126f * thin.r + 0.7152f * thin.g + 0.0722f * thin.b, 0.2f);
+    const Rgba white = shade_one(0.06f, named_transfer_function("white"));
+    EXPECT_EQ(white, (Rgba{1, 1, 1, 1}));
 }
 
 TEST(shade, opacity_mixes_with_the_background) {
@@ -124,7 +154,8 @@ TEST(shade, is_the_line_between_points_at_every_depth) {
         const float tolerance = kRounding + slope * std::numeric_limits<float>::epsilon();
         EXPECT_NEAR(shaded.at(x, 0).r, line(v, [](auto p) { return p.r; }), tolerance) << v;
         EXPECT_NEAR(shaded.at(x, 0).g, line(v, [](auto p) { return p.g; }), tolerance) << v;
-        EXPECT_NEAR(shaded.at(x, 0).a, std::clamp(0.25f + (v - 0.2f) * 1.25f, 0.25f, 1.0f),
+        EXPECT_NEAR(shaded.at(x, 0).a,
+                    std::clamp(0.25f + (v - 0.2f) * 1.25f, 0.25f, 1.0f) * std::min(v / kRim, 1.0f),
                     kRounding);
         EXPECT_EQ(color_at(tf, v).b, shaded.at(x, 0).b);
     }

@@ -10,7 +10,7 @@
 namespace vog::cli {
 
 struct ColorArguments {
-    std::string extinction = "auto", tf = "inferno", background = "black";
+    std::string extinction = "auto", tf = kDefaultMap, background = "black";
     bool blend = false;
 };
 

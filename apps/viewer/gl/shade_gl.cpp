@@ -62,7 +62,8 @@ void GlShade::set_look(const Look& look) {
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(values.size()), 1, 0,
                      GL_RGBA, GL_FLOAT, values.data());
     };
-    upload(transfer_, transfer_function(look));
+    const TransferFunction visible = transfer_function(look);
+    upload(transfer_, look.shading.blend ? fading(visible) : visible);
     upload(map_, map_function(look));
 }
 

@@ -11,8 +11,8 @@ namespace vog::viewer {
 /// Colour map with range, gamma and inversion, which move its colours along V = 1 - exp(-T), and
 /// opacity points at given V.
 struct Look {
-    std::string map = "inferno";  ///< name of a map, or JSON file of the colours
-    TransferFunction base = named_transfer_function("inferno");
+    std::string map = kDefaultMap;  ///< name of a map, or JSON file of the colours
+    TransferFunction base = named_transfer_function(kDefaultMap);
     std::vector<OpacityPoint> opacity;  ///< empty: opaque; else sorted by v
     float low = 0, high = 1;            ///< V of the map's first and last colour, low < high
     float gamma = 1;                    ///< colours at ((V - low) / (high - low))^gamma, (0, 10]

@@ -6,7 +6,7 @@ import { Decoder } from './model/decoder.js';
 import { Levels } from './model/levels.js';
 import { Site } from './stream/site.js';
 import { showStream } from './stream/status.js';
-import { reversed } from './picture/colors.js';
+import { fading, reversed } from './picture/colors.js';
 import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
@@ -193,7 +193,7 @@ function startRenderer() {
 }
 
 function setMap() {
-  renderer?.setMap(mapNow());
+  renderer?.setMap(state.show === 'T' && state.fade ? fading(mapNow()) : mapNow());
 }
 
 /** Has all that the state shows decoded, coarse first. */
@@ -208,10 +208,8 @@ async function load() {
 function change(part) {
   const before = { ...state };
   Object.assign(state, changedState(page, before, part));
-  if (state.map !== before.map || state.reverse !== before.reverse) {
-    setMap();
-    if (!part.transfers) recolor();
-  }
+  if (['map', 'reverse', 'fade', 'show'].some((key) => state[key] !== before[key])) setMap();
+  if ((state.map !== before.map || state.reverse !== before.reverse) && !part.transfers) recolor();
   if (renderer && (state.model !== before.model || state.field !== before.field || state.show !== before.show)) {
     load().catch((error) => giveUp(`The page cannot be read: ${error.message}.`));
   }

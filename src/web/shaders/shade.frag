@@ -93,7 +93,7 @@ vec4 visible(float t) {
     if (!(t > 0.0)) return background;
     float v = 1.0 - exp(-t);
     vec4 front = transfer_at(v);
-    if (blend) front.a *= v;
+    front.a *= blend ? v : min(v / 0.05, 1.0);  // kRim
     return over(front, background);
 }
 

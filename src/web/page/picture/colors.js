@@ -17,6 +17,18 @@ export function reversed(map) {
   return { ...map, colors };
 }
 
+/** Colours that fade into the background, as vog::fading: from the first one of a luma of 0.2 on, over [0, 1]. */
+export function fading(map) {
+  const color = walker(map.colors);
+  for (let v = 0; v <= 0.5; v += 1 / 64) {
+    const [, r, g, b] = color(v);
+    if (0.2126 * r + 0.7152 * g + 0.0722 * b < 0.2) continue;
+    const rest = map.colors.filter(([at]) => at > v).map(([at, ...rgb]) => [(at - v) / (1 - v), ...rgb]);
+    return v === 0 ? map : { ...map, colors: [[0, r, g, b], ...rest] };
+  }
+  return map;
+}
+
 /** RGBA at V = (i / (count - 1))^power; power 2, for shade.frag, is finer near 0. */
 export function sampled(map, count, power) {
   const colors = walker(map.colors);
@@ -31,7 +43,7 @@ export function sampled(map, count, power) {
 
 /** Draws the colours of V from 0 (left) to 1 over the background. */
 export function drawColorBar(canvas, map, { fade, background }) {
-  const width = canvas.width, values = sampled(map, width, 1);
+  const width = canvas.width, values = sampled(fade ? fading(map) : map, width, 1);
   const context = canvas.getContext('2d');
   const image = context.createImageData(width, 1);
   const [r, g, b, a] = background;
