@@ -21,10 +21,11 @@ py::array map_of(const py::object& self) {
 }
 
 ScaleFit fit_named(const std::string& scale) {
+    if (scale == "auto") return ScaleFit::automatic;
     if (scale == "linear") return ScaleFit::linear;
     if (scale == "log") return ScaleFit::log;
     if (scale == "symmetric") return ScaleFit::symmetric;
-    throw Error("plot: scale '" + scale + "', expected 'linear', 'log' or 'symmetric'");
+    throw Error("plot: scale '" + scale + "', expected 'auto', 'linear', 'log' or 'symmetric'");
 }
 
 Picture plotted(const ShownMaps& self, const py::object& tf, const py::object& range,
@@ -112,8 +113,8 @@ column, mean and deviation are all three. Notebooks display it with a colour bar
              "Writes the shown map as .npy, or all three as channels column, mean and deviation of "
              "an .exr.")
         .def(
-            "plot", &plotted, py::arg("tf") = "inferno", py::kw_only(),
-            py::arg("range") = py::none(), py::arg("scale") = "linear",
+            "plot", &plotted, py::arg("tf") = kDefaultMap, py::kw_only(),
+            py::arg("range") = py::none(), py::arg("scale") = "auto",
             py::arg("least_column") = kLeastColumn, py::arg("units") = "", py::arg("title") = "",
             py::arg("color_bar") = true, py::arg("background") = "black",
             R"(Picture of the shown map with a colour bar. Returns an Image, wider by the bar and higher by the title.
@@ -122,7 +123,8 @@ tf            transfer function: a TransferFunction, a name, a JSON file, a Matp
 range         (low, high) values at its ends; None: of column 0 and the largest, or with scale='log' the four decades
               below it; of fields the 1st and the 99th percentile of the pixels whose column is at least a thousandth
               of the largest
-scale         'linear', 'log', or 'symmetric': the range is centred at 0, for velocities
+scale         'linear', 'log', 'symmetric': the range is centred at 0, for velocities; or 'auto': log where values above 0
+              extend over two decades and more and range is None
 least_column  share of the largest column below which nothing is shown
 units         unit on the colour bar; '': the field's
 title         text above the picture

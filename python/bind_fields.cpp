@@ -85,7 +85,7 @@ class Given {
   public:
     Given(std::string name, const py::object& field) : name_(std::move(name)) {
         const std::initializer_list<const char*> known{
-            "value", "gradient", "deviation", "skewness", "covariance", "unit", "range"};
+            "value", "gradient", "deviation", "skewness", "covariance", "unit", "range", "spread"};
         if (!py::isinstance<py::dict>(field) && !py::isinstance<Field>(field))
             throw Error("fields: " + name_ +
                         ": expected a dict of value, gradient, ..., or a vog.Field");
@@ -98,8 +98,8 @@ class Given {
         for (const auto& [key, _] : py::cast<py::dict>(field))
             if (!given_.contains(key))
                 throw Error("fields: " + name_ + ": unknown " + py::repr(key).cast<std::string>() +
-                            ", expected value, gradient, deviation, skewness, covariance, unit or "
-                            "range");
+                            ", expected value, gradient, deviation, skewness, covariance, unit, "
+                            "range or spread");
     }
     bool has(const char* key) const { return given_.contains(key) && !given_[key].is_none(); }
     py::object at(const char* key) const { return given_[key]; }
@@ -168,6 +168,13 @@ ScalarField scalar_from(const Given& given, std::size_t size) {
     field.deviation = given.items<float>("deviation", size);
     field.skewness = given.items<float>("skewness", size);
     describe(field, given, [](float value) { return double{value}; });
+    if (given.has("spread")) {
+        const auto spread = row_of<double>(given.at("spread"), given.label("spread"));
+        if (spread.size() != 3)
+            throw Error(given.label("spread") + ": " + std::to_string(spread.size()) +
+                        " numbers, expected 3");
+        field.spread = {spread.at(0), spread.at(1), spread.at(2), true};
+    }
     return field;
 }
 
@@ -228,7 +235,7 @@ py::dict plain_fields(const py::object& model) {
         plain["value"] = object.attr("value");
         plain["gradient"] = object.attr("gradient");
         std::vector<const char*> rest{"covariance"};
-        if (field.scalar()) rest = {"deviation", "skewness"};
+        if (field.scalar()) rest = {"deviation", "skewness", "spread"};
         for (const char* key : rest) plain[key] = object.attr(key);
         plain["unit"] = object.attr("unit");
         plain["range"] = object.attr("range");
@@ -263,6 +270,15 @@ for gradient and covariance of a vector field, which are read-only copies.)");
                 return with(self, [](auto& f) { return py::make_tuple(f.lower, f.upper); });
             },
             "(least, largest) value of the data, of a vector field by magnitude.")
+        .def_property_readonly(
+            "spread",
+            [](const Field& self) -> py::object {
+                if (!self.scalar() || !self.scalar()->spread.known) return py::none();
+                const ValueSpread& s = self.scalar()->spread;
+                return py::make_tuple(s.low, s.middle, s.high);
+            },
+            "1st, 50th and 99th percentile of a scalar field over the data, by mass; None: not "
+            "known.")
         .def_property(
             "value", &value_of,
             [](const Field& self, const py::object& data) {

@@ -27,8 +27,6 @@ namespace {
 
 using Depth = std::shared_ptr<DepthImage>;
 
-constexpr const char* kDefaultMap = "inferno";
-
 std::string extent(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
@@ -46,12 +44,12 @@ Picture shaded(const DepthImage& depth, const py::object& tf, const py::object& 
 }
 
 Picture plotted(const DepthImage& depth, const std::string& quantity, const py::object& tf,
-                const py::object& range, bool log, const std::string& units,
+                const py::object& range, std::optional<bool> log, const std::string& units,
                 const std::string& title, bool color_bar, const py::object& background) {
     if (quantity != "column" && quantity != "T")
         throw Error("plot: quantity '" + quantity + "', expected 'column' or 'T'");
     const bool column = quantity == "column";
-    if (!column && (log || !range.is_none() || !units.empty()))
+    if (!column && (log.value_or(false) || !range.is_none() || !units.empty()))
         throw Error("plot: log, range and units are of quantity 'column'");
     const TransferFunction map = transfer_function_of(tf);
     const ShadeOptions options{background_of(background), false};
@@ -59,12 +57,14 @@ Picture plotted(const DepthImage& depth, const std::string& quantity, const py::
     if (!range.is_none()) {
         const auto [low, high] =
             cast_to<std::pair<double, double>>(range, "range", "two numbers (low, high)");
-        scale = {log ? ColorScale::Kind::log : ColorScale::Kind::linear, low, high};
+        scale = {log.value_or(false) ? ColorScale::Kind::log : ColorScale::Kind::linear, low, high};
     }
     return unlocked([&] {
         const DepthImage values = column ? column_density(depth) : depth;
         if (column && scale.kind == ColorScale::Kind::visibility)
-            scale = automatic_scale({&values, 1}, log);
+            scale = automatic_scale({&values, 1}, !log   ? ScaleFit::automatic
+                                                  : *log ? ScaleFit::log
+                                                         : ScaleFit::linear);
         const Image image =
             column ? shade_values(values, map, scale, options) : shade(depth, map, options);
         const std::string label = quantity_label(quantity, "", units);
@@ -101,7 +101,7 @@ void bind_depth(py::module_& m) {
         R"(Image of optical depth T: the integral of density along each pixel's ray, times the extinction.
 
 Rows from the top; T is 0 where the ray meets no density. Opacity is V = 1 - exp(-T). np.asarray(image) is
-a view [height, width] float32. Setting `extinction` rescales T. Notebooks display it shaded by 'inferno'.
+a view [height, width] float32. Setting `extinction` rescales T. Notebooks display it shaded by 'ember'.
 
 >>> depth = vog.DepthImage.from_numpy([[0, 1], [2, 4]], extinction=2)
 >>> depth.column_density().tolist()
@@ -163,7 +163,7 @@ blend       True: colours fade into the background as V goes to 0
 Of particles: number or value per area. Rows from the top; 0 where the ray meets no density.)")
         .def(
             "plot", &plotted, py::arg("quantity") = "column", py::arg("tf") = kDefaultMap,
-            py::kw_only(), py::arg("range") = py::none(), py::arg("log") = false,
+            py::kw_only(), py::arg("range") = py::none(), py::arg("log") = py::none(),
             py::arg("units") = "", py::arg("title") = "", py::arg("color_bar") = true,
             py::arg("background") = "black",
             R"(Map of a quantity with a colour bar. Returns an Image, wider by the bar and higher by the title.
@@ -172,7 +172,7 @@ quantity    'column': column density over range; 'T': optical depth, coloured by
 tf          transfer function, as in shade()
 range       (low, high) column densities at its ends; None: 0 to the largest, with log the four decades
             below the largest, or fewer
-log         True: logarithmic colours, ticks at decades
+log         True: logarithmic colours, ticks at decades; None: where columns extend over two decades and more, without range
 units       unit of column density, text for the colour bar
 title       text above the picture
 color_bar   False: no colour bar

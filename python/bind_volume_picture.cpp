@@ -209,16 +209,23 @@ True)");
 
 }  // namespace
 
+/// Whether a scale is logarithmic; nothing: automatic.
+std::optional<bool> log_of(const std::string& scale) {
+    if (scale == "auto") return std::nullopt;
+    if (scale == "linear" || scale == "log") return scale == "log";
+    throw Error("render_volume: scale '" + scale + "', expected 'auto', 'linear' or 'log'");
+}
+
 void bind_volume_picture(py::module_& m) {
     bind_maximum_picture(m);
     m.def(
         "render_volume",
         [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,
            const std::string& field, const py::object& tf, const py::object& value_range,
-           const py::object& window, const py::object& bands, const py::object& unit_distance,
-           const py::object& light, const py::object& clip, const py::object& clip_planes,
-           const py::object& background, const std::string& renderer, int slabs,
-           const py::object& fields, const std::string& interpolation, double step,
+           const std::string& scale, const py::object& window, const py::object& bands,
+           const py::object& unit_distance, const py::object& light, const py::object& clip,
+           const py::object& clip_planes, const py::object& background, const std::string& renderer,
+           int slabs, const py::object& fields, const std::string& interpolation, double step,
            const py::object& progress) {
             const auto [width, height] = size_of(size);
             const VolumeLook look =
@@ -234,15 +241,16 @@ void bind_volume_picture(py::module_& m) {
                                            progress_of(progress),
                                            voxels_by(interpolation, step)};
             const Rgba behind = background_of(background);
-            const TransferRequest request = transfer_request(
-                {"render_volume", "value_range", tf, value_range, unit_distance, window, bands});
+            const TransferRequest request =
+                transfer_request({"render_volume", "value_range", tf, value_range, unit_distance,
+                                  window, bands, log_of(scale)});
             const Shown shown = shown_of(data, field, fields, picture);
             return unlocked(
                 [&] { return Picture{over(volume_of(shown, request, picture), behind)}; });
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
-        py::arg("field") = "", py::arg("tf") = "inferno", py::arg("value_range") = py::none(),
-        py::arg("window") = py::none(), py::arg("bands") = py::none(),
+        py::arg("field") = "", py::arg("tf") = kDefaultMap, py::arg("value_range") = py::none(),
+        py::arg("scale") = "auto", py::arg("window") = py::none(), py::arg("bands") = py::none(),
         py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
         py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(),
         py::arg("background") = "black", py::arg("renderer") = "",
@@ -256,7 +264,8 @@ camera         None: Camera.orbit(data), fitted to the picture
 size           pixels, 512 or (width, height)
 field          the scalar field; '': the data's own values
 tf             transfer function over value_range, as in DepthImage.shade(); a JSON file may have its points at values
-value_range    (lower, upper); None: of the data
+value_range    (lower, upper); None: the 1st to 99th percentile of the data, weighted by mass; of a density from 0 on
+scale          'linear', 'log', or 'auto': log where most of the mass has values over a decade and more, without value_range
 window         (centre, width) of medical pictures, in place of tf
 bands          rows (lower, upper, (r, g, b), opacity), in place of tf
 unit_distance  world length that opacities refer to; None: the file's; of window, bands and a tf with opacities a hundredth of

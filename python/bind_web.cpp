@@ -34,7 +34,7 @@ Named named_models(const py::object& models, const std::string& title) {
 struct QuantityArguments {
     const std::string &show, &field;
     const py::object &range, &clip, &clip_planes, &light, &unit_distance;
-    bool log;
+    std::optional<bool> log;
 };
 
 constexpr int kUsualLevels = 8;  ///< of detail in a page
@@ -43,7 +43,8 @@ constexpr int kUsualLevels = 8;  ///< of detail in a page
 void choose_volume(HtmlQuantity& quantity, const QuantityArguments& given, const py::object& tf,
                    const Gaussians& model) {
     const TransferRequest request =
-        transfer_request({"export_html", "range", tf, given.range, given.unit_distance});
+        transfer_request({"export_html", "range", tf, given.range, given.unit_distance, py::none(),
+                          py::none(), given.log});
     const ScalarField* field = given.field.empty() ? scalar_to_begin_with(model.fields)
                                                    : model.fields.find_scalar(given.field);
     if (!field) return;  // write_html says so
@@ -55,7 +56,7 @@ void choose_volume(HtmlQuantity& quantity, const QuantityArguments& given, const
 void require_effects(const QuantityArguments& given) {
     const std::string& show = given.show;
     const bool of_field = show == "mean" || show == "deviation" || show == "maximum";
-    const bool volume = show == "volume", column = show == "column";
+    const bool volume = show == "volume";
     const auto require = [&](const char* name, bool is_given, bool effect, const char* expected) {
         if (is_given && !effect)
             throw Error(std::string("export_html: ") + name + " has no effect with show '" + show +
@@ -65,7 +66,8 @@ void require_effects(const QuantityArguments& given) {
             "'mean', 'deviation', 'volume' or 'maximum'");
     require("range", !given.range.is_none(), show != "T",
             "'column', 'mean', 'deviation', 'volume' or 'maximum'");
-    require("log", given.log, column || of_field, "'column', 'mean', 'deviation' or 'maximum'");
+    require("log", given.log.value_or(false), show != "T",
+            "'column', 'mean', 'deviation', 'volume' or 'maximum'");
     require("light", !given.light.is_none(), volume, "'volume'");
     require("unit_distance", !given.unit_distance.is_none(), volume, "'volume'");
 }
@@ -76,10 +78,10 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
-    quantity.log = given.log;
+    quantity.log = given.log.value_or(false);
     if (!given.range.is_none() && given.show != "volume") {
         const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
-        quantity.scale = ColorScale{given.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
+        quantity.scale = ColorScale{quantity.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
                                     range[0], range[1]};
         (void)scale_position(*quantity.scale, range[0]);  // checks the range
     }
@@ -137,9 +139,9 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
                      const std::optional<Camera>& camera, const py::object& extinction,
                      const py::object& tf, const py::object& background, bool blend,
                      const std::string& show, const std::string& field, const py::object& range,
-                     bool log, const py::object& unit_distance, const py::object& light,
-                     const py::object& clip, const py::object& clip_planes, bool steps,
-                     bool precise, const std::string& url) {
+                     std::optional<bool> log, const py::object& unit_distance,
+                     const py::object& light, const py::object& clip, const py::object& clip_planes,
+                     bool steps, bool precise, const std::string& url) {
     std::vector<HtmlModel> elsewhere;
     HtmlSource source{url, false};
     if (!url.empty()) {
@@ -203,9 +205,9 @@ void bind_web(py::module_& m) {
     m.def(
         "export_html", &export_html, py::arg("file"), py::arg("models"), py::kw_only(),
         py::arg("title") = "", py::arg("description") = "", py::arg("levels") = kUsualLevels,
-        py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = "inferno",
+        py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = kDefaultMap,
         py::arg("background") = "black", py::arg("blend") = false, py::arg("show") = "T",
-        py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = false,
+        py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = py::none(),
         py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
         py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(), py::arg("steps") = false,
         py::arg("precise") = false, py::arg("url") = "",
@@ -225,7 +227,7 @@ blend        True: colours fade into the background as V goes to 0
 show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation', 'volume' or 'maximum'
 field        name of that field; '': the first one, of volume and maximum the density where the model has it
 range        (low, high), values of the first and the last colour; None: of the initial view, volume: of the data
-log          True: logarithmic colours of column, mean, deviation or maximum
+log          True: logarithmic colours; None: of volume where most of the mass has values over a decade and more, else linear
 unit_distance  of volume: length that opacities refer to, world units; None: found by the page
 light        of volume: 'head', or the direction towards the light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all

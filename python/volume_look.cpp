@@ -30,6 +30,7 @@ TransferRequest transfer_request(const ValueArguments& a) {
         return std::pair{two[0], two[1]};
     };
     TransferRequest request;
+    request.log = a.log;
     if (!a.unit_distance.is_none())
         request.unit_distance =
             cast_to<double>(a.unit_distance, label("unit_distance"), "a length > 0, world units");
@@ -48,9 +49,11 @@ TransferRequest transfer_request(const ValueArguments& a) {
     }
     const bool named = py::isinstance<py::str>(a.tf);
     if (request.window || !request.bands.empty()) {
-        const bool usual = named && a.tf.cast<std::string>() == "inferno";
-        if (request.range || !usual)
-            throw Error(label(request.range ? a.range_name : "tf") +
+        const bool usual = named && a.tf.cast<std::string>() == kDefaultMap;
+        if (request.range || request.log || !usual)
+            throw Error(label(request.range ? a.range_name
+                              : request.log ? "scale"
+                                            : "tf") +
                         " has no effect with window and bands, which state colours and values");
         return request;
     }

@@ -1,6 +1,7 @@
 // volume_look.h: transfer functions of values, light and clips of pictures, and lists of numbers, from Python.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct ValueArguments {
     const char* range_name;
     const py::object &tf, &value_range, &unit_distance;
     py::object window = py::none(), bands = py::none();
+    std::optional<bool> log{};
 };
 /// throws  vog::Error for numbers out of range, and for tf and value_range beside a window or bands, which replace them
 TransferRequest transfer_request(const ValueArguments& a);

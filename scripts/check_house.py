@@ -24,7 +24,7 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "voxeli
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
 PUBLIC_HEADERS = {
     "core": "error linear memory progress temporary_file text",
-    "data": "camera dense distributed fields gaussians image levels lod points subject volume voxel_values",
+    "data": "camera dense distributed fields gaussians image levels lod points subject value_counts volume voxel_values",
     "io": "exchange model_io openvdb ply scan_io site units vogz volume_io voxel_field",
     "shade": "quantity shade value_transfer",
     "render": "clip field_maps gpu gpu_pictures gpu_sums gpu_volumes maximum_picture picture reference renderer splat trace volume_picture",

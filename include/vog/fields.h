@@ -18,6 +18,13 @@
 
 namespace vog {
 
+/// Percentiles of a field's values over the data, weighted by the measure, to three digits: ranges that a few voxels do not stretch.
+struct ValueSpread {
+    double low = 0, middle = 0, high = 0;  ///< 1st, 50th and 99th percentile, in the unit
+    bool known = false;
+    friend bool operator==(const ValueSpread&, const ValueSpread&) = default;
+};
+
 /// Scalar field on N Gaussians.
 struct ScalarField {
     std::string name;             ///< "temperature"
@@ -26,6 +33,8 @@ struct ScalarField {
     /// Whether the field is the measure itself, the density of the data: its extinction by value is not weighed by
     /// density once more (vog/volume_picture.h).
     bool is_measure = false;
+    ValueSpread
+        spread{};  ///< percentiles of the data; unknown: value_data (vog/picture.h) has those of the Gaussians
 
     BigVector<float> value;      ///< [N] at the Gaussian's mean, in the unit
     BigVector<Vec3f> gradient;   ///< [N] unit per world unit
@@ -61,7 +70,7 @@ struct Fields {
 };
 
 /// Appends the fields of `other`, models of n and m Gaussians; both have the same fields, in any order.
-/// Ranges are united. A model without Gaussians takes the other's fields.
+/// Ranges are united; spreads that differ are unknown then. A model without Gaussians takes the other's fields.
 /// throws  vog::Error naming a field that one of them lacks, or whose unit differs
 void append(Fields& fields, std::size_t n, const Fields& other, std::size_t m);
 

@@ -13,6 +13,7 @@
 #include "vog/field_maps.h"
 #include "vog/gaussians.h"
 #include "vog/quantity.h"
+#include "vog/value_counts.h"
 #include "vog/value_transfer.h"
 #include "vog/volume.h"
 #include "vog/volume_picture.h"
@@ -68,10 +69,11 @@ ColoredMap colored_map(const FieldMaps& maps, std::string_view show, ScaleFit fi
 /// Values and space of the data of a volume picture.
 struct ValueData {
     double lower = 0, upper = 0;  ///< least and largest value of the field
+    ValueSpread spread{};         ///< its percentiles by mass
     Box box;                      ///< world units
     double mass = 0;              ///< integral of the density over the world
-    double moment = 0;  ///< integral of the density times the field; of the density itself not used
-    bool is_measure = false;  ///< whether the field is the density itself
+    bool is_measure = false;      ///< whether the field is the density itself
+    ValueCounts counts{};  ///< for sums over processes; empty: the spread is that of the whole
 };
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field);
 /// volumes  which do not overlap
@@ -80,22 +82,25 @@ ValueData value_data(const Gaussians& gaussians, const ScalarField& field);
 ValueData value_data(std::span<const Volume> volumes, std::span<const VoxelField> fields,
                      const Box& box);
 
-/// Range of values under a colour map: that of the data; of data of one value from 0 to that value.
-std::pair<double, double> value_range(double lower, double upper);
+/// Range of values under a colour map, from the 1st to the 99th percentile of the data, weighted by mass: linear, or logarithmic over
+/// four decades at most. Data of one value: from 0 to that value.
+/// log     nothing: where they are above 0 and a decade apart or more
+/// throws  vog::Error for a logarithmic range of values that are not above 0
+ColorScale value_scale(const ValueData& data, std::optional<bool> log = {});
 /// A hundredth of the diagonal of the data's box, to four digits: unit distance of opacities that a user states.
 double rough_unit_distance(const Box& box);
-/// Unit distance of a colour map whose opacity rises from 0 to 1 over a range of values: with it the data, spread evenly over the
-/// silhouette of their box, have a mean optical depth of about 1,
-///   (mass / upper) / silhouette, of another field than the density   mass (mean - lower) / (upper - lower) / silhouette
-/// to two digits. Volumes and the models made of them have the same one, since they have the same box, mass and range.
-/// lower, upper  of the map
-double map_unit_distance(const ValueData& data, double lower, double upper);
+/// Unit distance of a colour map whose opacity rises from 0 to 1 over a range of values: with it data of the median value, spread evenly
+/// over the silhouette of their box, absorb about twice (choose_transfer.cpp), to two digits. Volumes and the models made of them have the same
+/// one, since they have the same box, mass, and percentiles.
+double map_unit_distance(const ValueData& data, const ColorScale& scale);
 
 /// Transfer function of a volume picture as a user states it. At most one of `window` and `bands`; both replace colour maps.
 struct TransferRequest {
     TransferPoints points;  ///< colour map over `range`, or a file's points (transfer_points)
-    std::optional<TransferFunction> map{};            ///< over `range`, in place of points
-    std::optional<std::pair<double, double>> range;   ///< least and largest value under a map
+    std::optional<TransferFunction> map{};           ///< over `range`, in place of points
+    std::optional<std::pair<double, double>> range;  ///< least and largest value under a map
+    std::optional<bool>
+        log;  ///< whether a map is over logarithms; nothing: as value_scale, of a stated range not
     std::optional<std::pair<double, double>> window;  ///< centre and width (window_transfer)
     std::vector<ValueBand> bands;
     std::optional<double> threshold;      ///< nothing is shown below
@@ -111,7 +116,7 @@ enum class UnitDistance {
 /// Transfer function with its defaults.
 struct ChosenTransfer {
     ValueTransfer transfer;
-    double lower = 0, upper = 0;  ///< values at the ends of a colour bar
+    ColorScale scale;  ///< scale of a colour bar, linear or logarithmic
     UnitDistance unit_distance = UnitDistance::stated;
     double most_opacity = 0;  ///< largest over the data
 };

@@ -33,11 +33,20 @@ struct ColorScale {
 /// throws  vog::Error for an invalid scale
 double scale_position(const ColorScale& scale, double value);
 
+/// Fit of a scale to values.
+enum class ScaleFit {
+    automatic,  ///< log where all values are above 0 and asks_log, else linear
+    linear,     ///< from the 1st to the 99th percentile
+    log,        ///< likewise of the values above 0, at most four decades
+    symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes
+};
+/// Whether a map whose values have these 1st and 99th percentiles is on a logarithmic scale: above 0, over two decades and more.
+bool asks_log(double low, double high);
 /// Scale of all values of images: linear from 0 to the largest, or logarithmic over the four
-/// decades below the largest, fewer where the smallest value above 0 is larger. Images without a
-/// value above 0 have the largest value 1.
+/// decades below the largest, fewer where the smallest value above 0 is larger; automatic: by the percentiles of the
+/// values above 0, weighted by themselves. Images without a value above 0 have the largest value 1.
 /// throws  vog::Error for a value that is negative or not finite
-ColorScale automatic_scale(std::span<const DepthImage> images, bool log);
+ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit);
 
 /// Shades values, such as column densities, by a scale: tf(position) where a value is above 0,
 /// the background elsewhere, mixed by the opacity as shade() does.
@@ -49,12 +58,6 @@ Image shade_values(const DepthImage& values, const TransferFunction& tf, const C
 struct ValueMap {
     int width = 0, height = 0;  ///< pixels
     std::vector<float> value;   ///< [height * width]
-};
-/// Fit of a scale to values.
-enum class ScaleFit {
-    linear,     ///< from the 1st to the 99th percentile
-    log,        ///< likewise of the values above 0, at most four decades
-    symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes
 };
 /// Scale of values; those that are NaN do not count. Equal values get a range around them.
 /// throws  vog::Error for ScaleFit::log without a value above 0

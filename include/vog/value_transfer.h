@@ -74,9 +74,12 @@ TransferPoints transfer_points(const std::string& name_or_file);
 /// Transfer function of values from points, which are at shares of a range or at values.
 /// lower, upper   values of shares 0 and 1; not used where points are at values
 /// unit_distance  world units, where the points have none
+/// log            shares of the range's logarithm, which is above 0, a ramp of their squares; not of points at values
 /// throws         vog::Error as over_range does
 ValueTransfer over_range(const TransferPoints& points, double lower, double upper,
-                         double unit_distance);
+                         double unit_distance, bool log = false);
+/// Colours and opacities of shares as points. throws vog::Error for an invalid tf
+TransferPoints transfer_points(const TransferFunction& tf);
 /// Both in one: the transfer function of values of a name or a file.
 ValueTransfer read_value_transfer(const std::string& name_or_file, double lower, double upper,
                                   double default_unit_distance);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vog/memory.h"
+#include "vog/value_counts.h"
 #include "vog/volume.h"
 
 namespace vog {
@@ -27,6 +28,7 @@ struct VoxelField {
     std::string unit;                    ///< "K"; empty: not known
     std::vector<VoxelValues> component;  ///< 1: scalar, 3: vector, along the world's axes
     double lower = 0, upper = 0;         ///< range over the voxels; of a vector by magnitude
+    ValueCounts counts{};                ///< values of a scalar field by mass; may be empty
 
     bool is_vector() const { return component.size() == 3; }
 };
@@ -109,6 +111,8 @@ VoxelField sample_field(const Volume& field, const std::string& name, Volume& vo
                         std::span<VoxelField> others = {},
                         std::vector<std::string>* notes = nullptr);
 
+/// Counts of a scalar field's values at the voxels of its volume.
+ValueCounts value_counts(const Volume& volume, const VoxelValues& values);
 /// The volume's own values as a field.
 /// name  empty: the volume's
 VoxelField own_field(const Volume& volume, const std::string& name = {});

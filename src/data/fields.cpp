@@ -32,7 +32,8 @@ Field described_as(const Field& other) {
     field.unit = other.unit;
     field.lower = other.lower;
     field.upper = other.upper;
-    if constexpr (std::is_same_v<Field, ScalarField>) field.is_measure = other.is_measure;
+    if constexpr (std::is_same_v<Field, ScalarField>)
+        field.is_measure = other.is_measure, field.spread = other.spread;
     return field;
 }
 
@@ -183,7 +184,11 @@ void append(Fields& fields, std::size_t n, const Fields& other, std::size_t m) {
         field.upper = std::max(field.upper, same.upper);
         append_arrays(field, same);
     };
-    for (ScalarField& field : fields.scalar) join(field, *other.find_scalar(field.name));
+    for (ScalarField& field : fields.scalar) {
+        const ScalarField& same = *other.find_scalar(field.name);
+        if (field.spread != same.spread) field.spread = {};
+        join(field, same);
+    }
     for (VectorField& field : fields.vector) join(field, *other.find_vector(field.name));
 }
 

@@ -73,7 +73,7 @@ inline void take_description(const nlohmann::ordered_json& json, Gaussians& mode
         for (const auto& point : json["hull"]) model.content.hull.push_back(vector_of(point));
 }
 
-/// Name, kind, unit and range of each field, scalar ones first.
+/// Name, kind, unit, range and spread of each field, scalar ones first.
 inline nlohmann::ordered_json fields_json(const Fields& fields) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     const auto add = [&](const auto& field, const char* kind) {
@@ -83,8 +83,11 @@ inline nlohmann::ordered_json fields_json(const Fields& fields) {
                        {"lower", field.lower},
                        {"upper", field.upper}});
     };
-    for (const ScalarField& field : fields.scalar)
+    for (const ScalarField& field : fields.scalar) {
         add(field, field.is_measure ? "measure" : "scalar");
+        if (const ValueSpread& s = field.spread; s.known)
+            all.back()["spread"] = {s.low, s.middle, s.high};
+    }
     for (const VectorField& field : fields.vector) add(field, "vector");
     return all;
 }
@@ -103,6 +106,9 @@ inline Fields fields_of(const nlohmann::ordered_json& json) {
             if (!fields.vector.empty()) throw Error("a scalar field behind a vector field");
             set(fields.scalar.emplace_back(), field);
             fields.scalar.back().is_measure = kind == "measure";
+            if (!field.contains("spread")) continue;
+            const Vec3d spread = vector_of(field["spread"]);
+            fields.scalar.back().spread = {spread.x, spread.y, spread.z, true};
         } else {
             throw Error(fmt::format("a field of the kind {}", kind));
         }

@@ -76,9 +76,11 @@ Json fields_json(const Gaussians& model, const Camera& view) {
     for (const ScalarField& field : model.fields.scalar) {
         Json entry = named(field, false);
         entry["isMeasure"] = field.is_measure;
-        const auto [lower, upper] = value_range(field.lower, field.upper);
-        entry["values"] = {lower, upper};  // under a colour map
-        entry["unitDistance"] = map_unit_distance(value_data(model, field), lower, upper);
+        const ValueData data = value_data(model, field);
+        const ColorScale scale = value_scale(data);  // under a colour map
+        entry["values"] = {scale.low, scale.high};
+        entry["log"] = scale.kind == ColorScale::Kind::log;
+        entry["unitDistance"] = map_unit_distance(data, scale);
         entry["histogram"] = histogram(model, field, false);
         if (field.lower > 0) entry["logHistogram"] = histogram(model, field, true);
         entry["ranges"] = {{"", maps_json(model, {field.name, FieldPart::value}, view)}};
@@ -102,7 +104,7 @@ ColorScale logarithmic_scale(const Gaussians& model, const HtmlQuantity& quantit
                              const Camera& view) {
     if (quantity.show == "column") {
         const DepthImage column = render_splat(model, view, kViewSize, kViewSize);
-        return automatic_scale({&column, 1}, true);
+        return automatic_scale({&column, 1}, ScaleFit::log);
     }
     std::string field = quantity.field;
     if (quantity.show == "maximum") {

@@ -44,7 +44,7 @@ ROWS = [
     ("render m.ply m2.ply -o p/ --values-out t.npy", r"takes a (folder)", "render m.ply m2.ply -o p/ --values-out t/"),
     ("render m.ply m2.ply -o p/ --show column", r"\((--range) sets", "+ 0,3"),
     ("render m.ply -o p.png --look-at 900,0,0", r"(--look-at), --distance", "render m.ply -o p.png {0} 6,6,6"),
-    ("render m.ply -o p.png --show volume", r"\((--range \S+ --unit-distance \S+) repeats it", "+"),
+    ("render m.ply -o p.png --show volume", r"\(((?:--log )?--range \S+ --unit-distance \S+) repeats it", "+"),
     ("render c.nrrd -o p.png --renderer splat", r"convert it first: (vog convert .*)", "{0}"),
     ("render two.vdb -o p.png --grid 'density_*' --interpolation linear --show volume", None, None),
     ("render c.nrrd -o p.png --show volume --interpolation linear --step 0", r"expected a (step > 0)", "render c.nrrd -o p.png --show volume --interpolation linear --step 1"),

@@ -79,8 +79,9 @@ TEST_F(volume_pictures_command, find_a_unit_distance_that_their_flags_repeat) {
     write_ramp("ramp.vdb");
     const std::string render = "render ramp.vdb -o ramp.exr --show volume --size 48 ";
     const nlohmann::json found = report(render);
-    // Mass 64 (1 + ... + 8), over the largest value and the mean silhouette of the cube, 3/2 of a face.
-    EXPECT_EQ(found["unit_distance"], 2304.0 / 8 / 96);
+    // Mass 64 (1 + ... + 8), over the median by mass, 6, and the mean silhouette of the cube, 3/2 of a face; half of that times
+    // the median's opacity, 5/7; to two digits.
+    EXPECT_EQ(found["unit_distance"], 1.4);
     EXPECT_NEAR(found["mean_opacity"].get<double>(), 0.6, 0.2);
     EXPECT_EQ(found["range"], (std::vector<double>{1, 8}));
     const std::string note = found["notes"][0];

@@ -56,17 +56,42 @@ TEST(quantity, invalid_scales_are_refused) {
 
 TEST(quantity, automatic_scales_span_the_values) {
     const DepthImage image = values_of({0, 0.5f, 8});
-    const ColorScale linear = automatic_scale({&image, 1}, false);
+    const ColorScale linear = automatic_scale({&image, 1}, ScaleFit::linear);
     EXPECT_EQ(linear.low, 0);
     EXPECT_EQ(linear.high, 8);
-    EXPECT_EQ(automatic_scale({&image, 1}, true).low, 0.5);
+    EXPECT_EQ(automatic_scale({&image, 1}, ScaleFit::log).low, 0.5);
     const DepthImage wide = values_of({1e-9f, 8});
-    EXPECT_DOUBLE_EQ(automatic_scale({&wide, 1}, true).low, 8e-4);
+    EXPECT_DOUBLE_EQ(automatic_scale({&wide, 1}, ScaleFit::log).low, 8e-4);
     const DepthImage one = values_of({8});
-    EXPECT_DOUBLE_EQ(automatic_scale({&one, 1}, true).low, 0.8);
+    EXPECT_DOUBLE_EQ(automatic_scale({&one, 1}, ScaleFit::log).low, 0.8);
     const DepthImage empty = values_of({0, 0});
-    EXPECT_EQ(automatic_scale({&empty, 1}, false).high, 1);
-    EXPECT_NO_THROW((void)scale_position(automatic_scale({&empty, 1}, true), 0));
+    EXPECT_EQ(automatic_scale({&empty, 1}, ScaleFit::linear).high, 1);
+    EXPECT_NO_THROW((void)scale_position(automatic_scale({&empty, 1}, ScaleFit::log), 0));
+}
+
+TEST(quantity, automatic_scales_are_logarithmic_over_two_decades) {
+    std::vector<float> narrow, wide;
+    for (int n = 0; n < 1000; ++n) {
+        narrow.push_back(1 + 0.09f * static_cast<float>(n));
+        wide.push_back(std::pow(10.0f, 0.004f * static_cast<float>(n)));
+    }
+    EXPECT_EQ(fitted_scale(narrow, ScaleFit::automatic).kind, Kind::linear);
+    const ColorScale scale = fitted_scale(wide, ScaleFit::automatic);
+    EXPECT_EQ(scale.kind, Kind::log);
+    EXPECT_EQ(scale.low, fitted_scale(wide, ScaleFit::log).low);
+    wide.push_back(0);
+    EXPECT_EQ(fitted_scale(wide, ScaleFit::automatic).kind, Kind::linear);
+    // Columns by mass: many faint pixels do not ask for a logarithm.
+    std::vector<float> faint(5000, 1e-4f);
+    faint.insert(faint.end(), narrow.begin(), narrow.end());
+    DepthImage column(static_cast<int>(faint.size()), 1);
+    column.depth = faint;
+    EXPECT_EQ(automatic_scale({&column, 1}, ScaleFit::automatic).kind, Kind::linear);
+    // Half of the mass three decades below the other half.
+    faint.assign(1000, 1e-3f), faint.push_back(1);
+    column = DepthImage(static_cast<int>(faint.size()), 1);
+    column.depth = faint;
+    EXPECT_EQ(automatic_scale({&column, 1}, ScaleFit::automatic).kind, Kind::log);
 }
 
 TEST(quantity, values_are_coloured_by_position_and_empty_pixels_by_the_background) {

@@ -1,5 +1,6 @@
 // shade_test.cpp: shading formula, named transfer functions, automatic extinction.
 #include "vog/shade.h"
+#include "vog/quantity.h"
 
 #include <gtest/gtest.h>
 
@@ -300,11 +301,11 @@ TEST(color_maps, picture_in_the_docs_is_current) {
     Image picture(kWidth, static_cast<int>(names.size()) * (kStrip + kGap) - kGap);
     std::fill(picture.pixel.begin(), picture.pixel.end(), Rgba{1, 1, 1, 1});
     DepthImage ramp(kWidth, 1);
-    for (int x = 0; x < kWidth; ++x)  // never 0, which would be background; V = 1 from T = 20 on
-        ramp.at(x, 0) =
-            std::clamp(-std::log1p(-static_cast<float>(x) / (kWidth - 1)), 1e-9f, 20.0f);
+    for (int x = 0; x < kWidth; ++x)  // never 0, which would be background
+        ramp.at(x, 0) = std::max(static_cast<float>(x) / (kWidth - 1), 1e-9f);
     for (std::size_t i = 0; i < names.size(); ++i) {
-        const Image strip = shade(ramp, named_transfer_function(names[i]));
+        const Image strip =
+            shade_values(ramp, named_transfer_function(names[i]), {ColorScale::Kind::linear, 0, 1});
         for (int y = 0; y < kStrip; ++y)
             std::copy(strip.pixel.begin(), strip.pixel.end(),
                       &picture.at(0, static_cast<int>(i) * (kStrip + kGap) + y));

@@ -109,7 +109,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
         // Extinction, range and unit distance. Only the rank that renders the first picture has them.
-        std::array<double, 4> figures;
+        std::array<double, 5> figures;
         figures.fill(-std::numeric_limits<double>::infinity());
         if (assigned[n]) {
             one.drawing.inputs = {frames[n].input};
@@ -118,15 +118,16 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
             if (!values.empty()) one.quantity.values_output = values[n].output;
             const RenderedPicture picture = render(one, command).front();
             const SharedScales scales = scales_of(picture);
-            figures = {scales.extinction, scales.low, scales.high, scales.unit_distance};
+            figures = {scales.extinction, scales.low, scales.high, scales.unit_distance,
+                       scales.log};
             const bool film = is_film(arguments.output);
             own.push_back(report_of(n, film ? frames[n].input : picture.output, picture));
             if (!arguments.json && !ranks.allgather) print_line(own.back().line);
         }
         if (n > 0) continue;
         ranks.collective.max(figures);
-        const auto [extinction, low, high, unit_distance] = figures;
-        share({extinction, low, high, unit_distance}, one);
+        const auto [extinction, low, high, unit_distance, log] = figures;
+        share({extinction, low, high, unit_distance, log}, one);
         if (fixes_range && ranks.is_root)
             note(
                 fmt::format("colours of all pictures from {:.6g} to {:.6g}, the range of the "
@@ -163,15 +164,16 @@ std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& argument
         one.view.save_camera.clear();
         if (step == 0) {
             // Ranks other than the root have no figures.
-            std::array<double, 4> figures;
+            std::array<double, 5> figures;
             figures.fill(-std::numeric_limits<double>::infinity());
             if (!pictures.empty()) {
                 const SharedScales scales = scales_of(pictures.front());
-                figures = {scales.extinction, scales.low, scales.high, scales.unit_distance};
+                figures = {scales.extinction, scales.low, scales.high, scales.unit_distance,
+                           scales.log};
             }
             ranks.collective.max(figures);
-            const auto [extinction, low, high, unit_distance] = figures;
-            share({extinction, low, high, unit_distance}, one);
+            const auto [extinction, low, high, unit_distance, log] = figures;
+            share({extinction, low, high, unit_distance, log}, one);
         }
         std::ranges::move(pictures, std::back_inserter(all));
     }

@@ -135,15 +135,17 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
 
 SharedScales scales_of(const RenderedPicture& picture) {
     const ColorScale scale = picture.scale.value_or(ColorScale{});
-    return {picture.extinction, scale.low, scale.high, picture.unit_distance.value_or(0)};
+    return {picture.extinction, scale.low, scale.high, picture.unit_distance.value_or(0),
+            scale.kind == ColorScale::Kind::log ? 1.0 : 0.0};
 }
 
 void share(const SharedScales& scales, RenderArguments& later) {
     later.color.extinction = fmt::format("{:.17g}", scales.extinction);
     later.later_frame = true;
     if (later.quantity.volume()) later.value.unit_distance = scales.unit_distance;
-    if (later.quantity.scaled() && later.quantity.range.empty())
-        later.quantity.range = fmt::format("{:.17g},{:.17g}", scales.low, scales.high);
+    if (!later.quantity.scaled() || !later.quantity.range.empty()) return;
+    later.quantity.range = fmt::format("{:.17g},{:.17g}", scales.low, scales.high);
+    later.quantity.log = scales.log > 0;
 }
 
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,

@@ -21,6 +21,7 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
 /// Scales of a first picture, for later ones under the same.
 struct SharedScales {
     double extinction = 1, low = 0, high = 0, unit_distance = 0;
+    double log = 0;  ///< 1: the range is logarithmic
 };
 SharedScales scales_of(const RenderedPicture& picture);
 /// Sets the scales as options of later pictures, where no option has.

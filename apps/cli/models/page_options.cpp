@@ -32,8 +32,10 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
         "as fine as a page without this option");
     add_page_quantity_options(command, arguments.quantity, kPageGroup);
     add("--scale", arguments.quantity.quantity.scale,
-        "Colour scale of column, mean, deviation or maximum: linear or log")
-        ->check(CLI::IsMember({"linear", "log"}))
+        "Colour scale: linear, log or auto, which for volume is log where most of the mass has "
+        "values "
+        "over a decade and more, else linear")
+        ->check(CLI::IsMember({"auto", "linear", "log"}))
         ->capture_default_str();
     command.add_flag(
         "--steps,!--no-steps", arguments.steps,
@@ -53,8 +55,8 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     // A file of values is of volume; the other quantities then have the default colours.
     const bool by_value = arguments.quantity.quantity.volume() &&
                           !std::ranges::count(transfer_function_names(), arguments.color.tf);
-    options.tf =
-        by_value ? named_transfer_function("inferno") : load_transfer_function(arguments.color.tf);
+    options.tf = by_value ? named_transfer_function(kDefaultMap)
+                          : load_transfer_function(arguments.color.tf);
     options.extinction = fixed_extinction(arguments.color);
     ColorArguments color = arguments.color;
     options.system_background = color.background == "system";

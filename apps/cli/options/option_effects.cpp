@@ -28,7 +28,7 @@ constexpr const char* kSplatsAndPages = ".html site .spz .glb .usda .usdc 3dgs";
 constexpr const char* kModels = ".ply .vogz models/";
 constexpr const char* kByMoments = "[Conversion by moments (--method moments)]";
 constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
-constexpr const char* kWithScale = "column mean deviation maximum";
+constexpr const char* kWithScale = "column mean deviation volume maximum";
 
 // The first row that refuses an option says why: general reasons stand first.
 const Row kRows[] = {
@@ -120,14 +120,14 @@ const Row kRows[] = {
     {"", "--slabs", "show", "volume maximum"},
     {"render", "--slabs", "renderer", "splat cuda optix"},
     {"", "--light-weights", "--light", "*"},
-    {"", "--tf --range", "--window", "-"},
-    {"", "--tf --range --window", "--band", "-"},
-    {"", "--tf --range --window", "--iso", "-"},
+    {"", "--tf --range --log --scale", "--window", "-"},
+    {"", "--tf --range --log --scale --window", "--band", "-"},
+    {"", "--tf --range --log --scale --window", "--iso", "-"},
     {"", "--field", "show", "mean deviation volume maximum"},
     {"", "--range", "show", "column mean deviation volume maximum"},
     {"", "--log", "show", kWithScale},
     {"render export", "--scale", "show", kWithScale},
-    {"render", "--units", "show", kWithScale},
+    {"render", "--units", "show", "column mean deviation maximum"},
     {"render", "--scale=symmetric", "show", "mean deviation maximum"},
     {"render export", "--log", "--scale", "- log"},
     {"render", "--extinction --blend", "show", "T"},

@@ -35,19 +35,22 @@ void add_shown_options(CLI::App& command, QuantityArguments& arguments) {
         "--range", arguments.range,
         "Values LO,HI at the two ends of --tf; default: of the first picture, column "
         "densities from 0 to the largest, logarithmic the four decades below the "
-        "largest or fewer; fields from the 1st to the 99th percentile; volume: of the "
-        "data");
-    command.add_flag("--log", arguments.log,
-                     "Logarithmic colours of column, mean, deviation or maximum");
+        "largest or fewer; fields from the 1st to the 99th percentile; volume: those of "
+        "the data, weighted by mass");
+    command.add_flag("--log", arguments.log, "Logarithmic colours, as --scale log");
 }
 
 void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
     const OptionGroup grouped(command, kQuantityGroup);
     add_shown_options(command, arguments);
     command
-        .add_option("--scale", arguments.scale,
-                    "Colour scale: linear, log, or for fields symmetric: the range is centred at 0")
-        ->check(CLI::IsMember({"linear", "log", "symmetric"}))
+        .add_option(
+            "--scale", arguments.scale,
+            "Colour scale: linear, log, auto, which without --range is log where values above 0 "
+            "extend "
+            "over two decades and more (volume: over one), or for fields symmetric: the range is "
+            "centred at 0")
+        ->check(CLI::IsMember({"auto", "linear", "log", "symmetric"}))
         ->capture_default_str();
     command.add_option(
         "--units", arguments.units,

@@ -10,7 +10,7 @@
 namespace vog::cli {
 
 struct QuantityArguments {
-    std::string show = "T", field, range, scale = "linear", units, title, values_output;
+    std::string show = "T", field, range, scale = "auto", units, title, values_output;
     bool log = false, color_bar = false, axes = false, scale_bar = false;
     /// Share of the largest column below which a picture of a field shows nothing.
     double least_column = kLeastColumn;
@@ -25,7 +25,8 @@ struct QuantityArguments {
     ScaleFit fit() const {
         return logarithmic()          ? ScaleFit::log
                : scale == "symmetric" ? ScaleFit::symmetric
-                                      : ScaleFit::linear;
+               : scale == "linear"    ? ScaleFit::linear
+                                      : ScaleFit::automatic;
     }
 };
 

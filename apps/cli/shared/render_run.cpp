@@ -54,7 +54,7 @@ std::string quantity_text(const RenderArguments& arguments, FileKind kind) {
 ColorScale scale_of(const QuantityArguments& quantity, const DepthImage& depth) {
     if (!quantity.column()) return {};
     if (const auto fixed = fixed_scale(quantity)) return *fixed;
-    return automatic_scale({&depth, 1}, quantity.logarithmic());
+    return automatic_scale({&depth, 1}, quantity.fit());
 }
 
 /// The picture with all that is drawn over it and around it.

@@ -33,11 +33,14 @@ void check_by_value(const RenderArguments& arguments, const Drawing& drawing,
 
 /// Sums of the data over all ranks.
 void add_ranks(ValueData& data, const Box& box, const RenderRanks& ranks) {
-    double sums[2] = {data.mass, data.moment}, most[1] = {data.is_measure ? 1.0 : 0.0};
-    ranks.collective.sum(sums);
+    double most[2] = {data.is_measure ? 1.0 : 0.0, data.counts.empty() ? 0.0 : 1.0};
+    ranks.collective.sum(data.mass);
     ranks.collective.max(most);
-    data.mass = sums[0], data.moment = sums[1], data.is_measure = most[0] > 0;
+    data.is_measure = most[0] > 0;
     data.box = box;
+    if (!(most[1] > 0)) return;
+    ranks.collective.sum(data.counts.weights());
+    data.spread = data.counts.spread();
 }
 
 ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,

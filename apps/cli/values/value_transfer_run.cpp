@@ -39,6 +39,8 @@ TransferRequest request_of(const RenderArguments& arguments, const CLI::App& com
     request.may_be_empty = arguments.later_frame;
     if (const auto fixed = fixed_scale(arguments.quantity))
         request.range.emplace(fixed->low, fixed->high);
+    if (arguments.quantity.fit() != ScaleFit::automatic)
+        request.log = arguments.quantity.logarithmic();
     if (request.window || !request.bands.empty()) return request;
     request.points = transfer_points(arguments.color.tf);
     if (!request.points.at_values) return request;
@@ -68,10 +70,11 @@ ChosenTransfer transfer_of(const RenderArguments& arguments, const CLI::App& com
         notes.push_back(fmt::format("opacity {} counts as {}: one of 1 is an infinite extinction",
                                     chosen.most_opacity, kMostOpacity));
     if (chosen.unit_distance == UnitDistance::of_map)
-        notes.push_back(
-            fmt::format("an opacity ramp over the values, its unit distance set for a mean optical "
-                        "depth of 1 (--range {},{} --unit-distance {} repeats it)",
-                        chosen.lower, chosen.upper, chosen.transfer.unit_distance));
+        notes.push_back(fmt::format(
+            "an opacity ramp over the values that most of the mass has ({}--range {},{} "
+            "--unit-distance {} repeats it)",
+            chosen.scale.kind == ColorScale::Kind::log ? "--log " : "", chosen.scale.low,
+            chosen.scale.high, chosen.transfer.unit_distance));
     return chosen;
 }
 

@@ -122,7 +122,10 @@ TransferFunction bar_of(const ChosenTransfer& chosen) {
     constexpr std::size_t kSteps = 1024;  // pixels of a bar, about
     std::vector<Rgba> colors;
     for (std::size_t n = 0; n <= kSteps; ++n) {
-        const double value = std::lerp(chosen.lower, chosen.upper, static_cast<double>(n) / kSteps);
+        const double share = static_cast<double>(n) / kSteps;
+        const auto& [kind, low, high] = chosen.scale;
+        const double value = kind == ColorScale::Kind::log ? low * std::pow(high / low, share)
+                                                           : std::lerp(low, high, share);
         const ValueLight light = light_of(chosen.transfer, value);
         const double opacity = -std::expm1(-light.extinction * chosen.transfer.unit_distance);
         colors.push_back({static_cast<float>(light.r), static_cast<float>(light.g),
@@ -150,7 +153,7 @@ std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
     drawing.notes.insert(drawing.notes.end(), notes.begin(), notes.end());
 
     VolumeImage image;
-    const ColorScale scale{ColorScale::Kind::linear, chosen.lower, chosen.upper};
+    const ColorScale& scale = chosen.scale;
     const auto draw_view = [&](const RenderArguments& one,
                                const Camera& camera) -> std::optional<RenderedPicture> {
         const Progress progress = one.repeat ? Progress{} : stages.progress();

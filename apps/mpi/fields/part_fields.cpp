@@ -79,6 +79,7 @@ std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
     const cli::FieldTexts texts = cli::field_texts(arguments, own_name(volumes, ranks));
     std::vector<std::string> notes;
     std::map<std::string, Range> ranges;
+    std::map<std::string, ValueCounts> counts;
     Fields& described = model.description.fields;
     for (std::size_t n = 0; n < volumes.size(); ++n) {
         std::vector<Volume>& own = *volumes[n];
@@ -107,6 +108,11 @@ std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
             std::erase(names, std::string());
             Range& all = ranges[names.front()];
             all = {std::min(all.lower, range.lower), std::max(all.upper, range.upper)};
+            ValueCounts own_counts;
+            if (f < fields.size())
+                for (const VoxelField& field : fields[f]) own_counts.add(field.counts);
+            ranks.sum(own_counts.weights());
+            counts[names.front()].add(own_counts);
             const FieldCoverage whole = over_ranks(coverage[f], ranks);
             if (whole.voxels == 0) continue;  // the volumes' own values
             if (const std::string note = coverage_note(whole); !note.empty()) notes.push_back(note);
@@ -118,6 +124,11 @@ std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
         field.lower = ranges[field.name].lower, field.upper = ranges[field.name].upper;
     };
     std::ranges::for_each(described.scalar, set_range);
+    const auto set_spread = [&](Fields& fields) {
+        for (ScalarField& field : fields.scalar) field.spread = counts[field.name].spread();
+    };
+    set_spread(described);
+    for (Gaussians& input : model.inputs) set_spread(input.fields);
     std::ranges::for_each(described.vector, set_range);
     return notes;
 }

@@ -196,7 +196,7 @@ ColorScale fitted_scale_of(const SumImage& sums, Show show, FieldUnit unit, bool
     const ColorScale none{ColorScale::Kind::linear, 0, 1};
     if (show == Show::column) {
         const DepthImage column = depth_of(sums);
-        return automatic_scale({&column, 1}, log);
+        return automatic_scale({&column, 1}, log ? ScaleFit::log : ScaleFit::linear);
     }
     const ValueMap map = shown_map(sums, show, unit);
     // Rims of supports do not count, as in values_for_scale.

@@ -19,12 +19,9 @@ ValueRange range_of(const ValueTransfer& transfer) {
             std::max(transfer.color.back().value, transfer.opacity.back().value)};
 }
 
-ValueTransfer with_map(ValueTransfer transfer, const TransferFunction& map) {
-    const ValueRange range = range_of(transfer);
-    transfer.color.clear();
-    for (const ColorPoint& point : map.color)
-        transfer.color.push_back(
-            {range.lower + double{point.v} * range.width(), point.r, point.g, point.b});
+ValueTransfer with_map(ValueTransfer transfer, const TransferFunction& map, bool log) {
+    const auto [lower, upper] = range_of(transfer);
+    transfer.color = over_range(transfer_points(map), lower, upper, 1, log).color;
     transfer.name = map.name;
     return transfer;
 }

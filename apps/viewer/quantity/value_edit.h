@@ -18,8 +18,8 @@ struct ValueRange {
 /// Range of all points, of colour and opacity.
 ValueRange range_of(const ValueTransfer& transfer);
 
-/// The transfer function with another map's colours over the range of its points; opacity is kept.
-ValueTransfer with_map(ValueTransfer transfer, const TransferFunction& map);
+/// The transfer function with another map's colours over the range of its points, or its logarithms; opacity is kept.
+ValueTransfer with_map(ValueTransfer transfer, const TransferFunction& map, bool log = false);
 /// Colours in the reverse order, opacity kept.
 ValueTransfer inverted(ValueTransfer transfer);
 /// All points moved by `shift` and their distances from the middle multiplied by `factor` > 0: window and level, as

@@ -82,9 +82,9 @@ void Session::begin_values() {
     if (choose_transfer) {
         transfer = choose_transfer(model, name, std::exchange(values_first_, false));
     } else {
-        const auto [lower, upper] = value_range(field.lower, field.upper);
-        transfer = over_range(map_function(look), lower, upper,
-                              map_unit_distance(value_data(model, field), lower, upper));
+        TransferRequest request;
+        request.map = map_function(look);
+        transfer = vog::choose_transfer(request, value_data(model, field)).transfer;
     }
     values.begin(std::move(transfer));
     values_of_ = name;
@@ -123,11 +123,19 @@ void Session::set_map(const std::string& name_or_file) {
         return;
     }
     const TransferPoints points = transfer_points(name_or_file);
-    if (!points.at_values && points.points.opacity.empty())
-        return set_values(with_map(*values.now(), load_transfer_function(name_or_file)));
     const ScalarField& field = *fields().find_scalar(quantity.field.field);
-    const auto [lower, upper] = value_range(field.lower, field.upper);
-    set_values(over_range(points, lower, upper, values.now()->unit_distance));
+    const ValueData data = value_data(*shown_level()->model, field);
+    if (!points.at_values && points.points.opacity.empty()) {
+        const auto [lower, upper] = range_of(*values.now());
+        const ColorScale scale = value_scale(data);
+        const bool log =
+            scale.kind == ColorScale::Kind::log && lower == scale.low && upper == scale.high;
+        return set_values(with_map(*values.now(), load_transfer_function(name_or_file), log));
+    }
+    TransferRequest request;
+    request.points = points;
+    request.unit_distance = values.now()->unit_distance;
+    set_values(vog::choose_transfer(request, data).transfer);
 }
 
 void Session::set_clip(const std::optional<Box>& box) {

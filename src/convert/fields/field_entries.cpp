@@ -123,6 +123,9 @@ FieldEntries::FieldEntries(std::span<const std::vector<VoxelField>> fields, cons
             ScalarField& field = scalar_[f];
             describe(field);
             field.is_measure = std::ranges::all_of(fields[f], is_measure);
+            ValueCounts counts;
+            for (const VoxelField& level : fields[f]) counts.add(level.counts);
+            field.spread = counts.spread();
             resize_kept(field.gradient, gaussians);
             resize_kept(field.deviation, gaussians), resize_kept(field.skewness, gaussians);
         }

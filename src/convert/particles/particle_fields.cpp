@@ -12,6 +12,7 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/error.h"
+#include "vog/value_counts.h"
 
 namespace vog::particles {
 
@@ -106,7 +107,11 @@ void add_particle_fields(Gaussians& model, const Points& points,
     for (const ParticleValues& values : fields) {
         const auto [lower, upper] = range_of(values, mass);
         if (values.component.size() == 1) {
-            ScalarField field{values.name, {}, lower, upper, false, {}, {}, {}, {}};
+            ValueCounts counts;
+            for (std::size_t n = 0; n < mass.size(); ++n)
+                counts.add(values.component.front()[n], double{mass[n]});
+            ScalarField field{values.name,     {}, lower, upper, false,
+                              counts.spread(), {}, {},    {},    {}};
             field.value.resize(size), field.gradient.resize(size);
             field.deviation.resize(size), field.skewness.resize(size);
             scalar.emplace_back(&values, model.fields.scalar.size());

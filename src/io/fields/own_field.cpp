@@ -2,6 +2,7 @@
 #include "vog/voxel_field.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -18,9 +19,12 @@ template <class Take, class TakeTile>
 VoxelField with_range(const Volume& volume, const std::string& name, const Take& take,
                       const TakeTile& take_tile) {
     float lower = std::numeric_limits<float>::infinity(), upper = -lower;
-    const auto include = [&](float value) {
+    const double voxel = voxel_volume(volume);
+    VoxelField field;
+    const auto include = [&](float value, double voxels) {
         lower = std::min(lower, value);
         upper = std::max(upper, value);
+        field.counts.add(value, double{value} * voxels * voxel);
     };
     for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
         check_interrupt();
@@ -28,21 +32,35 @@ VoxelField with_range(const Volume& volume, const std::string& name, const Take&
         for (int offset = 0; offset < kLeafVoxels; ++offset) {
             if (!leaf.active(offset)) continue;
             const auto at = static_cast<std::size_t>(offset);
-            include(leaf.value[at]);
+            include(leaf.value[at], 1);
             take(n, at, leaf.value[at]);
         }
     }
     for (const Tile& tile : volume.tiles) {
-        include(tile.value);
+        include(tile.value, std::pow(double(tile.edge), 3));
         take_tile(tile.value);
     }
-    VoxelField field;
     field.name = name.empty() ? volume.name : name;
     if (lower <= upper) field.lower = double{lower}, field.upper = double{upper};
     return field;
 }
 
 }  // namespace
+
+ValueCounts value_counts(const Volume& volume, const VoxelValues& values) {
+    const double voxel = voxel_volume(volume);
+    ValueCounts counts;
+    for (std::size_t l = 0; l < volume.leaves.size(); ++l)
+        for (int n = 0; n < kLeafVoxels; ++n) {
+            const auto at = static_cast<std::size_t>(n);
+            if (volume.leaves[l].active(n))
+                counts.add(values.leaf[l][at], double{volume.leaves[l].value[at]} * voxel);
+        }
+    for (std::size_t t = 0; t < volume.tiles.size(); ++t)
+        counts.add(values.tile[t], double{volume.tiles[t].value} *
+                                       std::pow(double(volume.tiles[t].edge), 3) * voxel);
+    return counts;
+}
 
 VoxelField own_field(const Volume& volume, const std::string& name) {
     VoxelValues values;

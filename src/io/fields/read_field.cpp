@@ -179,6 +179,7 @@ VoxelField field_files::sampled_field(const FieldGrid& grid, Volume& volume,
         check_samples(census, grid, volume);
         field.lower = census.lower;
         field.upper = census.upper;
+        if (!field.is_vector()) field.counts = value_counts(volume, field.component.front());
         const FieldCoverage counts{grid.where,          measure_name(volume), census.mass,
                                    census.covered_mass, census.voxels,        census.covered};
         // Several fields, or volumes, may have one file.

@@ -15,13 +15,13 @@ namespace vog::ply {
 
 namespace {
 
-constexpr const char* kKey = "field ";
+constexpr const char *kKey = "field ", *kSpread = "spread ";
 
 /// A comment line about a field, word by word.
 class FieldLine {
   public:
     FieldLine(const std::filesystem::path& file, const std::string& text)
-        : file_(file), text_(text), words_(text.substr(std::string(kKey).size())) {}
+        : file_(file), text_(text), words_(text.substr(text.find(' '))) {}
 
     std::string word() {
         std::string next;
@@ -88,12 +88,25 @@ std::string comment_of(const char* kind, const Field& field) {
                        percent_escaped(field.unit));
 }
 
+/// Sets the spread of a field that an earlier line describes.
+void take_spread(const std::filesystem::path& file, const std::string& text, Fields& fields) {
+    FieldLine line(file, text);
+    const std::string name = line.text();
+    const auto field = std::ranges::find(fields.scalar, name, &ScalarField::name);
+    if (field == fields.scalar.end()) line.refuse();
+    field->spread = {line.number(), line.number(), line.number(), true};
+}
+
 }  // namespace
 
 std::string field_comments(const Fields& fields) {
     std::string text;
     for (const ScalarField& field : fields.scalar)
         text += comment_of(field.is_measure ? "measure" : "scalar", field);
+    for (const ScalarField& field : fields.scalar)
+        if (const ValueSpread& s = field.spread; s.known)
+            text += fmt::format("comment {}{} {} {} {}\n", kSpread, percent_escaped(field.name),
+                                s.low, s.middle, s.high);
     for (const VectorField& field : fields.vector) text += comment_of("vector", field);
     return text;
 }
@@ -101,6 +114,7 @@ std::string field_comments(const Fields& fields) {
 Fields described_fields(const std::filesystem::path& file, const Header& header) {
     Fields fields;
     for (const std::string& text : header.comments) {
+        if (text.starts_with(kSpread)) take_spread(file, text, fields);
         if (!text.starts_with(kKey)) continue;
         FieldLine line(file, text);
         const std::string kind = line.word();

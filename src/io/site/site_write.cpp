@@ -127,12 +127,19 @@ Whole whole_of(const Gaussians& part, bool rotated, const Collective& processes,
     if (!std::equal(same, same + 5, same + 5, [](double a, double b) { return a == -b; }))
         throw Error(fmt::format(
             "{}: parts with other origins, cutoffs or fields, expected the same of all", where));
+    // A spread is that of the whole data: parts have the same one, or none is known.
+    for (const ScalarField& field : whole.fields.scalar)
+        for (const double value : {field.spread.low, field.spread.middle, field.spread.high})
+            ranges.insert(ranges.end(), {value, -value});
     processes.max(ranges);
     auto range = ranges.begin();
     each([&](auto& field) {
         field.upper = *range++;
         field.lower = -*range++;
     });
+    for (ScalarField& field : whole.fields.scalar)
+        for (int n = 0; n < 3; ++n, range += 2)
+            field.spread.known = field.spread.known && range[0] == -range[1];
     return whole;
 }
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
+#include "render/by_value/value_light.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 
@@ -23,33 +23,31 @@ bool is_measure(const VoxelField& field) {
     return field.component.front().leaf.empty() && field.component.front().tile.empty();
 }
 
-/// Integral of density times field over the voxels.
-double moment_of(const Volume& volume, const VoxelField& field) {
-    const VoxelValues& values = field.component.front();
-    double sum = 0;
-    for (std::size_t l = 0; l < volume.leaves.size(); ++l)
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (volume.leaves[l].active(n))
-                sum += double{volume.leaves[l].value[static_cast<std::size_t>(n)]} *
-                       double{values.leaf[l][static_cast<std::size_t>(n)]};
-    for (std::size_t t = 0; t < volume.tiles.size(); ++t)
-        sum += std::pow(double(volume.tiles[t].edge), 3) * double{volume.tiles[t].value} *
-               double{values.tile[t]};
-    return sum * voxel_volume(volume);
+/// Adds the values of Gaussian i: seven of equal weight, of a normal distribution.
+void add_values(const Gaussians& gaussians, const ScalarField& field, std::size_t i, double mass,
+                ValueCounts& counts) {
+    constexpr double kAt[7] = {-1.465, -0.792, -0.366, 0, 0.366, 0.792, 1.465};
+    const double deviation = std::hypot(double{field.deviation[i]},
+                                        std::sqrt(by_value::plane_variance(gaussians, field, i)));
+    for (const double at : kAt) {
+        const double value = double{field.value[i]} + at * deviation;
+        counts.add(static_cast<float>(std::clamp(value, field.lower, field.upper)), mass / 7);
+    }
 }
 
 }  // namespace
 
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field) {
-    ValueData data{field.lower, field.upper, view_box(gaussians), 0, 0, field.is_measure};
+    ValueData data{field.lower,      field.upper, field.spread, view_box(gaussians), 0,
+                   field.is_measure, {}};
+    const double full = std::pow(2 * std::numbers::pi, 1.5) * mass_within(double{gaussians.cutoff});
     for (std::size_t i = 0; i < gaussians.size(); ++i) {
         const Vec3d s = vec_cast<double>(gaussians.scale[i]);
-        const double weight = double{gaussians.density[i]} * s.x * s.y * s.z;
-        data.mass += weight;
-        data.moment += weight * double{field.value[i]};
+        const double mass = full * double{gaussians.density[i]} * s.x * s.y * s.z;
+        data.mass += mass;
+        if (!field.spread.known) add_values(gaussians, field, i, mass, data.counts);
     }
-    const double full = std::pow(2 * std::numbers::pi, 1.5) * mass_within(double{gaussians.cutoff});
-    data.mass *= full, data.moment *= full;
+    if (!field.spread.known) data.spread = data.counts.spread();
     return data;
 }
 
@@ -63,16 +61,30 @@ ValueData value_data(std::span<const Volume> volumes, std::span<const VoxelField
     data.is_measure = is_measure(fields.front());
     for (std::size_t n = 0; n < volumes.size(); ++n) {
         data.mass += mass(volumes[n]);
-        if (!data.is_measure) data.moment += moment_of(volumes[n], fields[n]);
+        data.counts.add(fields[n].counts);
     }
+    data.spread = data.counts.spread();
     return data;
 }
 
-std::pair<double, double> value_range(double lower, double upper) {
-    if (lower < upper) return {lower, upper};
+ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
+    using Kind = ColorScale::Kind;
+    // Rays end in outer layers of low values: linear colours of a decade and more would be dark.
+    constexpr double kLogRatio = 10, kDecades = 1e4;
+    const ValueSpread& spread = data.spread;
+    const double high = spread.known ? spread.high : data.upper;
+    double low = spread.known ? spread.low : data.lower;
+    if (log.value_or(low > 0 && high >= kLogRatio * low)) {
+        if (!(high > 0))
+            throw Error(fmt::format("a logarithmic range of values from {} to {}, expected above 0",
+                                    data.lower, data.upper));
+        low = std::max(low, high / kDecades);
+        return {Kind::log, low < high ? low : high / 10, high};
+    }
+    if (low < high) return {Kind::linear, low, high};
     // Data of one value: from 0, which has no opacity, to that value.
-    if (upper == 0) return {0, 1};
-    return std::minmax(0.0, upper);
+    if (high == 0) return {Kind::linear, 0, 1};
+    return {Kind::linear, std::min(0.0, high), std::max(0.0, high)};
 }
 
 double rough_unit_distance(const Box& box) {
@@ -80,18 +92,18 @@ double rough_unit_distance(const Box& box) {
     return radius > 0 ? rounded(0.02 * radius, 4) : 1;
 }
 
-double map_unit_distance(const ValueData& data, double lower, double upper) {
+double map_unit_distance(const ValueData& data, const ColorScale& scale) {
     if (data.box.empty()) return 1;
+    // Twice: pictures of nine data sets then have a mean luminance of 0.35 to 0.65 where they show anything.
+    constexpr double kDepth = 2;
     const Vec3d edge = data.box.upper - data.box.lower;
     // Mean over all directions, a quarter of the surface.
     const double silhouette = 0.5 * (edge.x * edge.y + edge.y * edge.z + edge.z * edge.x);
-    double absorbing = data.mass / upper;
-    if (!data.is_measure) {
-        // A range that the mean lies beside shows a tenth of the data at least, and all at most.
-        const double share = (data.moment / data.mass - lower) / (upper - lower);
-        absorbing = data.mass * std::clamp(share, 0.1, 1.0);
-    }
-    const double unit = absorbing / silhouette;
+    const double middle = data.spread.middle, share = scale_position(scale, middle);
+    const double opacity = scale.kind == ColorScale::Kind::log ? share * share : share;
+    const double absorbing =
+        std::max(opacity, 0.1) * (data.is_measure ? data.mass / middle : data.mass);
+    const double unit = absorbing / silhouette / kDepth;
     return unit > 0 && std::isfinite(unit) ? rounded(unit, 2) : rough_unit_distance(data.box);
 }
 
@@ -99,8 +111,12 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
     if (request.window && !request.bands.empty())
         throw Error("window and bands, expected one of them");
     ChosenTransfer chosen;
-    std::tie(chosen.lower, chosen.upper) =
-        request.range ? *request.range : value_range(data.lower, data.upper);
+    using Kind = ColorScale::Kind;
+    chosen.scale = request.range
+                       ? ColorScale{request.log.value_or(false) ? Kind::log : Kind::linear,
+                                    request.range->first, request.range->second}
+                       : value_scale(data, request.log);
+    const bool log = chosen.scale.kind == Kind::log;
     const double unit = request.unit_distance.value_or(rough_unit_distance(data.box));
     if (!request.unit_distance) chosen.unit_distance = UnitDistance::rough;
     bool is_ramp = false;
@@ -108,22 +124,19 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
         chosen.transfer = window_transfer(request.window->first, request.window->second, unit);
     } else if (!request.bands.empty()) {
         chosen.transfer = band_transfer(request.bands, unit);
-    } else if (request.map) {
-        chosen.transfer = over_range(*request.map, chosen.lower, chosen.upper, unit);
-        is_ramp = request.map->opacity.empty();
     } else {
-        const TransferPoints& points = request.points;
-        if (points.at_values && request.range)
-            throw Error(fmt::format("range: {} states values of its own, expected one of them",
-                                    points.points.name));
-        if (points.at_values) chosen.lower = points.lower, chosen.upper = points.upper;
-        chosen.transfer = over_range(points, chosen.lower, chosen.upper, unit);
+        const TransferPoints points = request.map ? transfer_points(*request.map) : request.points;
+        if (points.at_values && (request.range || request.log))
+            throw Error(fmt::format("{}: {} states values of its own, expected one of them",
+                                    request.range ? "range" : "scale", points.points.name));
+        if (points.at_values) chosen.scale = {Kind::linear, points.lower, points.upper};
+        chosen.transfer = over_range(points, chosen.scale.low, chosen.scale.high, unit, log);
         is_ramp = points.points.opacity.empty();
         if (points.has_unit_distance) chosen.unit_distance = UnitDistance::stated;
     }
     if (request.unit_distance) chosen.transfer.unit_distance = unit;
     if (is_ramp && chosen.unit_distance == UnitDistance::rough) {
-        chosen.transfer.unit_distance = map_unit_distance(data, chosen.lower, chosen.upper);
+        chosen.transfer.unit_distance = map_unit_distance(data, chosen.scale);
         chosen.unit_distance = UnitDistance::of_map;
     }
     if (request.threshold) chosen.transfer = above(std::move(chosen.transfer), *request.threshold);

@@ -59,6 +59,7 @@ VoxelField component_of(VoxelField field, const std::string& part, const Volume&
             if (volume.leaves[l].active(n)) include(values.leaf[l][static_cast<std::size_t>(n)]);
     std::ranges::for_each(values.tile, include);
     field.lower = double{lower}, field.upper = double{upper};
+    field.counts = value_counts(volume, values);
     field.component.assign(1, std::move(values));
     field.name += "." + part;
     return field;
@@ -79,7 +80,7 @@ ColoredMap colored_map(const FieldMaps& maps, std::string_view show, ScaleFit fi
         DepthImage column(maps.width, maps.height);
         column.depth = maps.column;
         return {visible_values(maps, maps.column, 0),
-                fixed ? *fixed : automatic_scale({&column, 1}, fit == ScaleFit::log)};
+                fixed ? *fixed : automatic_scale({&column, 1}, fit)};
     }
     const std::vector<float>& shown = show == "mean" ? maps.mean : maps.deviation;
     return {visible_values(maps, shown, least_column),

@@ -46,6 +46,34 @@ void require_sorted(const Points& points, const std::string& where, const char* 
 
 double mix(double from, double to, double share) { return from + share * (to - from); }
 
+void set_between(ValueColor& point, const ValueColor& a, const ValueColor& b, float share) {
+    point.r = std::lerp(a.r, b.r, share), point.g = std::lerp(a.g, b.g, share);
+    point.b = std::lerp(a.b, b.b, share);
+}
+void set_between(ValueOpacity& point, const ValueOpacity& a, const ValueOpacity& b, float share) {
+    point.opacity = std::lerp(a.opacity, b.opacity, double{share});
+}
+/// Divides pieces of shares of a logarithmic range: between points the function is linear in the value.
+template <class Point>
+void divide(std::vector<Point>& points) {
+    constexpr double kLongest = 1.0 / 32;
+    std::vector<Point> all;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        if (n > 0) {
+            const Point &from = points[n - 1], &to = points[n];
+            const int parts = static_cast<int>(std::ceil((to.value - from.value) / kLongest));
+            for (int part = 1; part < parts; ++part) {
+                Point& point = all.emplace_back(from);
+                const double share = double(part) / parts;
+                point.value = mix(from.value, to.value, share);
+                set_between(point, from, to, static_cast<float>(share));
+            }
+        }
+        all.push_back(points[n]);
+    }
+    points = std::move(all);
+}
+
 double opacity_at(const ValueTransfer& transfer, double value) {
     const auto piece = piece_at(transfer.opacity, value);
     return mix(piece.from->opacity, piece.to->opacity, piece.share);
@@ -85,7 +113,7 @@ ValueLight light_of(const ValueTransfer& transfer, double value) {
 }
 
 ValueTransfer over_range(const TransferPoints& points, double lower, double upper,
-                         double unit_distance) {
+                         double unit_distance, bool log) {
     ValueTransfer out = points.points;
     if (!points.has_unit_distance) out.unit_distance = unit_distance;
     if (points.at_values) lower = points.lower, upper = points.upper;
@@ -93,19 +121,35 @@ ValueTransfer over_range(const TransferPoints& points, double lower, double uppe
         throw Error(
             fmt::format("transfer function {}: range {} to {}, expected finite and ascending",
                         out.name, lower, upper));
+    if (points.at_values && out.opacity.empty()) out.opacity = {{lower, 0}, {upper, 1}};
     if (!points.at_values) {
+        if (log && !(lower > 0))
+            throw Error(
+                fmt::format("transfer function {}: a logarithmic range {} to {}, expected above 0",
+                            out.name, lower, upper));
+        const bool ramp = out.opacity.empty();
+        if (ramp) out.opacity = {{0, 0}, {1, 1}};
+        if (log) divide(out.color), divide(out.opacity);
+        // Squares: with shares of the logarithm outer layers of low values would hide all others.
+        if (log && ramp)
+            for (ValueOpacity& point : out.opacity) point.opacity *= point.opacity;
         const auto place = [&](auto& list) {
-            for (auto& point : list) point.value = lower + point.value * (upper - lower);
+            for (auto& point : list)
+                point.value = log ? lower * std::pow(upper / lower, point.value)
+                                  : lower + point.value * (upper - lower);
         };
         place(out.color), place(out.opacity);
     }
-    if (out.opacity.empty()) out.opacity = {{lower, 0}, {upper, 1}};
     validate(out);
     return out;
 }
 
 ValueTransfer over_range(const TransferFunction& tf, double lower, double upper,
                          double unit_distance) {
+    return over_range(transfer_points(tf), lower, upper, unit_distance);
+}
+
+TransferPoints transfer_points(const TransferFunction& tf) {
     shading::require_valid("transfer function " + tf.name, tf);
     TransferPoints points;
     points.points.name = tf.name;
@@ -113,7 +157,7 @@ ValueTransfer over_range(const TransferFunction& tf, double lower, double upper,
         points.points.color.push_back({double{point.v}, point.r, point.g, point.b});
     for (const OpacityPoint& point : tf.opacity)
         points.points.opacity.push_back({double{point.v}, double{point.opacity}});
-    return over_range(points, lower, upper, unit_distance);
+    return points;
 }
 
 ValueTransfer read_value_transfer(const std::string& name_or_file, double lower, double upper,

@@ -253,7 +253,8 @@ function recolor() {
   if (!edited) return;
   const [from, to] = [edited.colors[0][0], edited.colors.at(-1)[0]], source = page.models[state.model].fields[state.field];
   const [low, high] = to > from ? [from, to] : [source.lower, source.upper];
-  const { colors } = overRange(mapNow(), low, high, 1);
+  const log = source.log && low === source.values[0] && high === source.values[1];
+  const { colors } = overRange(mapNow(), low, high, 1, log);
   state.transfers = { ...state.transfers, [state.field]: { ...edited, name: state.map, colors } };
 }
 

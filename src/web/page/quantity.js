@@ -71,7 +71,8 @@ export function automaticScale(models, { show, field, part }, isLog = false) {
 /** The transfer function that a field starts with: a map over its range. */
 export function automaticTransfer(models, field, map) {
   const sources = models.map((model) => model.fields[field]).filter(Boolean);
-  return overRange(map, Math.min(...sources.map((s) => s.values[0])), Math.max(...sources.map((s) => s.values[1])), sources[0].unitDistance);
+  const low = Math.min(...sources.map((s) => s.values[0])), high = Math.max(...sources.map((s) => s.values[1]));
+  return overRange(map, low, high, sources[0].unitDistance, sources[0].log && low > 0);
 }
 
 /** A number for people: four digits. */

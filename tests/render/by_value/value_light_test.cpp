@@ -67,7 +67,7 @@ TEST(value_light, quadratics_follow_the_expectation_over_a_gaussian) {
     model.mean = {{0, 0, 0}};
     model.scale = {{0.5f, 1, 1}};
     model.density = {1};
-    ScalarField field{"heat", "", 0, 10, false, {5}, {{2, 0, 0}}, {0.5f}, {0}};
+    ScalarField field{"heat", "", 0, 10, false, {}, {5}, {{2, 0, 0}}, {0.5f}, {0}};
     model.fields.scalar.push_back(field);
     const std::vector<LightQuadratic> light = fit_light(model, field, ramp());
     EXPECT_FLOAT_EQ(light[0].spread, 1);

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/dense.h"
 #include "vog/error.h"
+#include "vog/model_io.h"
 #include "vog/picture.h"
 #include "vog/sample.h"
 
@@ -47,14 +49,52 @@ TransferRequest map_of(const std::string& name) {
 TEST(picture_defaults, cubes_have_the_closed_form_of_the_unit_distance) {
     for (const float density : {1e-20f, 0.5f, 3.0f})
         for (const double edge : {1e-3, 1.0, 1e6}) {
-            // Mass density e^3, over the largest value and 3/2 e^2: 2/3 of the cube's edge e, to two digits.
+            // Mass density e^3, over the median and 3/2 e^2, half of it: 1/3 of the cube's edge e, to two digits.
             const Cube cube(density, edge);
             for (const ValueData& data : {cube.of_voxels(), cube.of_model()}) {
                 EXPECT_TRUE(data.is_measure);
-                const double unit = map_unit_distance(data, 0, double{density});
-                EXPECT_NEAR(unit / (8 * edge), 2.0 / 3, 0.005) << density << " " << edge;
+                const ColorScale scale = value_scale(data);
+                EXPECT_EQ(scale.low, 0);
+                EXPECT_NEAR(scale.high / double{density}, 1, 0.01);
+                EXPECT_NEAR(map_unit_distance(data, scale) / (8 * edge), 1.0 / 3, 0.01);
             }
         }
+}
+
+TEST(picture_defaults, percentiles_are_those_of_the_mass) {
+    ValueCounts counts;
+    for (int n = 1; n <= 1000; ++n) counts.add(-static_cast<float>(n), 2);
+    counts.add(7, 0), counts.add(7, -1), counts.add(7, std::nan(""));
+    const ValueSpread spread = counts.spread();
+    EXPECT_NEAR(spread.low, -990, 5);
+    EXPECT_NEAR(spread.middle, -500, 3);
+    EXPECT_NEAR(spread.high, -10, 0.1);
+    ValueCounts twice = counts;
+    twice.add(counts);
+    EXPECT_EQ(twice.spread(), spread);
+    EXPECT_FALSE(ValueCounts().spread().known);
+    counts = {};
+    counts.add(0, 1), counts.add(-0.0f, 1);
+    EXPECT_EQ(counts.spread(), (ValueSpread{0, 0, 0, true}));
+}
+
+TEST(picture_defaults, ranges_are_logarithmic_where_the_data_ask) {
+    using Kind = ColorScale::Kind;
+    const auto of = [](double low, double middle, double high) {
+        return ValueData{low / 2, high * 2, {low, middle, high, true}, {}, 1, true, {}};
+    };
+    const auto expect = [](const ColorScale& scale, Kind kind, double low, double high) {
+        EXPECT_EQ(scale.kind, kind);
+        EXPECT_DOUBLE_EQ(scale.low, low);
+        EXPECT_DOUBLE_EQ(scale.high, high);
+    };
+    expect(value_scale(of(1, 2, 9)), Kind::linear, 1, 9);
+    expect(value_scale(of(1, 2, 10)), Kind::log, 1, 10);
+    expect(value_scale(of(1, 2, 10), false), Kind::linear, 1, 10);
+    expect(value_scale(of(1, 2, 9), true), Kind::log, 1, 9);
+    expect(value_scale(of(1e-9, 2, 10)), Kind::log, 1e-3, 10);
+    expect(value_scale(of(-1, 2, 10)), Kind::linear, -1, 10);
+    EXPECT_THROW((void)value_scale(of(-2, -2, -1), true), Error);
 }
 
 TEST(picture_defaults, volumes_and_models_have_one_unit_distance) {
@@ -74,10 +114,40 @@ TEST(picture_defaults, volumes_and_models_have_one_unit_distance) {
         }
 }
 
+TEST(picture_defaults, models_in_files_keep_the_spread) {
+    const Volume volume = sample_explosion({.size = 64});
+    const Gaussians model = convert_moments(volume, {.budget = 500, .own_field = "density"});
+    const std::vector<VoxelField> own{measure_field(volume, "density")};
+    const ValueSpread spread = own.front().counts.spread();
+    EXPECT_TRUE(spread.known);
+    EXPECT_EQ(model.fields.scalar.front().spread, spread);
+    for (const char* name : {"spread.ply", "spread.vogz"}) {
+        const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / name;
+        write_model(file, model);
+        EXPECT_EQ(read_model(file).fields.scalar.front().spread, spread) << name;
+    }
+    // Of another model, by its Gaussians.
+    ScalarField unknown = model.fields.scalar.front();
+    unknown.spread = {};
+    EXPECT_NEAR(value_data(model, unknown).spread.middle / spread.middle, 1, 0.1);
+}
+
 TEST(picture_defaults, requests_keep_what_they_state) {
-    const ValueData data{0, 2, {{0, 0, 0}, {1, 2, 2}}, 4, 0, true};
+    const ValueData data{0, 2, {0, 1, 2, true}, {{0, 0, 0}, {1, 2, 2}}, 4, true, {}};
     TransferRequest request = map_of("gray");
-    EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance, 0.5);  // 4 / 2 / 4
+    EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance,
+              0.25);  // half of 4 / 4, half of that
+    request.log = true;
+    EXPECT_EQ(choose_transfer(request, data).scale.kind, ColorScale::Kind::log);
+    request.range.emplace(1, 4);
+    const ValueTransfer log = choose_transfer(request, data).transfer;
+    EXPECT_DOUBLE_EQ(log.color.front().value * log.color.back().value, 4);
+    const ValueLight middle = light_of(log, 2);
+    EXPECT_NEAR(middle.r, 0.5, 1e-3);
+    EXPECT_NEAR(-std::expm1(-middle.extinction * log.unit_distance), 0.25, 1e-3);
+    request.log.reset();
+    EXPECT_EQ(choose_transfer(request, data).scale.kind, ColorScale::Kind::linear);
+    request.range.reset();
     request.unit_distance = 7;
     EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance, 7);
     request = {};
@@ -94,15 +164,21 @@ TEST(picture_defaults, requests_keep_what_they_state) {
 }
 
 TEST(picture_defaults, data_without_extent_mass_or_range_have_one) {
+    const auto scale_of = [](double value) {
+        return value_scale({value, value, {value, value, value, true}, {}, 1, true, {}});
+    };
     EXPECT_EQ(rough_unit_distance({}), 1);
     EXPECT_EQ(rough_unit_distance({{1, 1, 1}, {1, 1, 1}}), 1);
-    EXPECT_EQ(map_unit_distance({}, 0, 1), 1);
+    EXPECT_EQ(map_unit_distance({}, scale_of(1)), 1);
     const Box box{{0, 0, 0}, {1, 2, 2}};
-    EXPECT_EQ(map_unit_distance({0, 0, box, 0, 0, true}, 0, 1), 0.03);
-    EXPECT_EQ(map_unit_distance({-2, -1, box, 1, -1.5, true}, -2, -1), 0.03);
-    EXPECT_EQ(value_range(3, 3), (std::pair{0.0, 3.0}));
-    EXPECT_EQ(value_range(-3, -3), (std::pair{-3.0, 0.0}));
-    EXPECT_EQ(value_range(0, 0), (std::pair{0.0, 1.0}));
+    EXPECT_EQ(map_unit_distance({0, 0, {}, box, 0, true, {}}, scale_of(1)), 0.03);
+    EXPECT_EQ(map_unit_distance({-2, -1, {-2, -2, -1, true}, box, 1, true, {}}, scale_of(-1)),
+              0.03);
+    EXPECT_EQ(scale_of(3).low, 0);
+    EXPECT_EQ(scale_of(3).high, 3);
+    EXPECT_EQ(scale_of(-3).low, -3);
+    EXPECT_EQ(scale_of(-3).high, 0);
+    EXPECT_EQ(scale_of(0).high, 1);
     EXPECT_EQ(default_view(box, 0, 5).eye, default_view(box, 7, 7).eye);
 }
 

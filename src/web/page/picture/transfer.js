@@ -105,13 +105,23 @@ export function expectedLight(transfer, source) {
   return { data, columns, rows, part: [low, high, perRange, perPart], most };
 }
 
-/** Transfer function over values of a map of shares, {colors, opacity} over [0, 1]: without opacity a ramp. */
-export function overRange(map, lower, upper, unit) {
-  const value = (share) => lower + share * (upper - lower);
-  const opacity = map.opacity && map.opacity.length ? map.opacity : [[0, 0], [1, 1]];
+/** Pieces of at most a 32nd, as vog::over_range divides those of a logarithmic range. */
+function divided(points) {
+  return points.flatMap((to, n) => {
+    if (n === 0) return [to];
+    const from = points[n - 1], parts = Math.max(1, Math.ceil((to[0] - from[0]) * 32));
+    return Array.from({ length: parts }, (_, k) => (k + 1 === parts ? to : to.map((end, c) => from[c] + (end - from[c]) * ((k + 1) / parts))));
+  });
+}
+
+/** Transfer function over values, or their logarithms, of a map of shares, {colors, opacity} over [0, 1]: without opacity a ramp, of logarithms of squares. */
+export function overRange(map, lower, upper, unit, log = false) {
+  const value = (share) => (log ? lower * (upper / lower) ** share : lower + share * (upper - lower));
+  const stated = map.opacity && map.opacity.length, pieces = log ? divided : (points) => points;
+  const opacity = pieces(stated ? map.opacity : [[0, 0], [1, 1]]).map(([v, a]) => [v, log && !stated ? a * a : a]);
   return {
     name: map.name, unit,
-    colors: map.colors.map(([v, ...rgb]) => [value(v), ...rgb]),
+    colors: pieces(map.colors).map(([v, ...rgb]) => [value(v), ...rgb]),
     opacity: opacity.map(([v, a]) => [value(v), a]),
   };
 }

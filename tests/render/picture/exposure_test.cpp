@@ -1,0 +1,83 @@
+// exposure_test.cpp: default pictures of volumes are neither dark nor burnt out.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "support/data.h"
+#include "vog/picture.h"
+#include "vog/sample.h"
+#include "vog/volume_io.h"
+
+namespace vog::test {
+
+namespace {
+
+/// Share of pixels that show anything, and their mean luminance on black, [0, 1].
+struct Exposure {
+    double coverage = 0, luminance = 0;
+};
+
+Exposure exposure_of(const VolumeImage& image) {
+    constexpr float kVisible = 0.02f;
+    double covered = 0, sum = 0;
+    for (const Rgba& c : image.pixel)
+        if (c.a > kVisible) ++covered, sum += double{0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b};
+    return {covered / double(image.pixel.size()), sum / covered};
+}
+
+/// Draws volumes under the default transfer function from three sides, and checks the mean luminance.
+void expect_exposed(const std::string& name, std::span<const Volume> volumes) {
+    std::vector<VoxelField> own;
+    Box box;
+    for (const Volume& volume : volumes) {
+        own.push_back(measure_field(volume, "density"));
+        box.include(world_box(volume));
+    }
+    TransferRequest request;
+    request.points = transfer_points(kDefaultMap);
+    const ChosenTransfer chosen = choose_transfer(request, value_data(volumes, own, box));
+    for (const char* view : {"paper", "+x", "-y"}) {
+        constexpr int kSize = 96;
+        Orbit orbit;
+        set_view(orbit, view);
+        const Exposure exposure = exposure_of(render_volume_reference(
+            volumes, own, chosen.transfer, orbit_view(box, orbit, 1), kSize, kSize));
+        std::cout << fmt::format(
+            "{} {}: {} from {:.3g} to {:.3g}, coverage {:.3f}, luminance {:.3f}\n", name, view,
+            chosen.scale.kind == ColorScale::Kind::log ? "log" : "linear", chosen.scale.low,
+            chosen.scale.high, exposure.coverage, exposure.luminance);
+        EXPECT_GT(exposure.luminance, 0.35) << name << " " << view;
+        EXPECT_LT(exposure.luminance, 0.65) << name << " " << view;
+    }
+}
+
+}  // namespace
+
+TEST(exposure, samples_have_a_luminance_in_the_middle) {
+    const SampleOptions options{.size = 64};
+    for (const auto& [name, make] : {std::pair{"cloud", sample_cloud},
+                                     {"explosion", sample_explosion},
+                                     {"head", sample_head}}) {
+        const Volume volume = make(options);
+        expect_exposed(name, {&volume, 1});
+    }
+}
+
+TEST(exposure, real_data_have_a_luminance_in_the_middle) {
+    for (const auto& [file, grid] : {std::pair{"smoke.vdb", "density"},
+                                     {"cloud.vdb", "density"},
+                                     {"fire.vdb", "temperature"},
+                                     {"aquarius.vdb", "density"},
+                                     {"beetle.vdb", "density"},
+                                     {"plume/plume_0030.vdb", "density"}}) {
+        VOG_NEEDS_DATA(file);
+        VdbOptions options;
+        options.grid = grid;
+        const Volume volume = read_volume(data_dir() / file, options);
+        expect_exposed(file, {&volume, 1});
+    }
+}
+
+}  // namespace vog::test
