@@ -101,7 +101,8 @@ data  Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world s
                 if (frame != "content" && frame != "data")
                     throw Error("orbit: frame '" + frame + "', expected 'content' or 'data'");
                 Subject subject = subject_to_view(data, "orbit");
-                if (frame == "data") subject.content.hull = Subject(subject.box).content.hull;
+                if (frame == "data" || view == "paper")
+                    subject.content.hull = Subject(subject.box).content.hull;
                 Orbit orbit = up ? Orbit{} : first_orbit(subject);
                 if (up) orbit.up = direction_of(*up);
                 orbit.azimuth_degrees = azimuth.value_or(orbit.azimuth_degrees);

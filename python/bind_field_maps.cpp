@@ -123,8 +123,7 @@ tf            transfer function: a TransferFunction, a name, a JSON file, a Matp
 range         (low, high) values at its ends; None: of column 0 and the largest, or with scale='log' the four decades
               below it; of fields the 1st and the 99th percentile of the pixels whose column is at least a thousandth
               of the largest
-scale         'linear', 'log', 'symmetric': the range is centred at 0, for velocities; or 'auto': log where values above 0
-              extend over two decades and more and range is None
+scale         'linear', 'log', 'symmetric': the range is centred at 0, for velocities; or 'auto': linear
 least_column  share of the largest column below which nothing is shown
 units         unit on the colour bar; '': the field's
 title         text above the picture

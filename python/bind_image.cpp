@@ -172,7 +172,7 @@ quantity    'column': column density over range; 'T': optical depth, coloured by
 tf          transfer function, as in shade()
 range       (low, high) column densities at its ends; None: 0 to the largest, with log the four decades
             below the largest, or fewer
-log         True: logarithmic colours, ticks at decades; None: where columns extend over two decades and more, without range
+log         True: logarithmic colours, ticks at decades
 units       unit of column density, text for the colour bar
 title       text above the picture
 color_bar   False: no colour bar

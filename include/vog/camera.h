@@ -73,7 +73,7 @@ inline constexpr double kPaperDistanceRadii = 3.0;                   ///< distan
 inline constexpr double kPaperFovDegrees = 38.5800924383775;         ///< 2 atan(0.35)
 
 /// Place and kind of a camera. The default has the direction of the `paper` view, and the distance at which a subject's hull
-/// fills the image, in whose middle it lies. With a stated distance or width the centre of the box lies there.
+/// fills the image, in whose middle it lies.
 ///
 /// Azimuth and elevation are those of the eye as seen from the centre, in a frame that `up` turns:
 ///   eye = centre + distance * (cos el cos az A + sin el U + cos el sin az B)

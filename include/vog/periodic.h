@@ -29,6 +29,8 @@ Box domain_box(std::span<const Volume> volumes);
 void add_periodic_images(Gaussians& model, const Box& box);
 /// Box of a model with images; none: not periodic.
 std::optional<Box> periodic_box(const Gaussians& model);
+/// Mass of the data of a model: without its images, whose centres lie outside the box; of other models that of all Gaussians.
+double mass_without_images(const Gaussians& model);
 /// The part of a clip inside the box of a model with images; the clip itself for other models.
 /// throws  vog::Error where nothing of the clip's box lies inside
 Clipping inside_period(Clipping clip, const Gaussians& model);

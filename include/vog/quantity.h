@@ -35,16 +35,14 @@ double scale_position(const ColorScale& scale, double value);
 
 /// Fit of a scale to values.
 enum class ScaleFit {
-    automatic,  ///< log where all values are above 0 and asks_log, else linear
+    automatic,  ///< linear; of volumes as value_scale (vog/picture.h) has it
     linear,     ///< from the 1st to the 99th percentile
     log,        ///< likewise of the values above 0, at most four decades
     symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes
 };
-/// Whether a map whose values have these 1st and 99th percentiles is on a logarithmic scale: above 0, over two decades and more.
-bool asks_log(double low, double high);
 /// Scale of all values of images: linear from 0 to the largest, or logarithmic over the four
-/// decades below the largest, fewer where the smallest value above 0 is larger; automatic: by the percentiles of the
-/// values above 0, weighted by themselves. Images without a value above 0 have the largest value 1.
+/// decades below the largest, fewer where the smallest value above 0 is larger. Images without a value above 0 have the
+/// largest value 1.
 /// throws  vog::Error for a value that is negative or not finite
 ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit);
 

@@ -84,7 +84,7 @@ def from_yt(
         grid = ds.covering_grid(level, left_edge=ds.domain_left_edge, dims=cells)
         edge = width / cells
         volume = _vog.Volume.from_numpy(numbers(grid[wanted]), voxel_size=edge, origin=left + edge / 2, name=name, **rules)
-        volume.up = "z"
+        volume.up = (0.0, 0.0, 1.0)
         return set_units(volume, units[0], code_length)
     if not len(getattr(ds.index, "grids", ())):
         raise _vog.Error("from_yt: the data set has no grids (an octree or particles), expected patches, or level= for a covering grid")
@@ -94,7 +94,7 @@ def from_yt(
         blocks = _blocks(ds, n, lambda grid: numbers(grid[wanted]))
         # The centre of the first voxel lies half a cell inside the domain.
         made = _vog.Volume.from_blocks(blocks, voxel_size=edge, origin=left + edge / 2, all_active=True, name=name, **rules)
-        made.up = "z"
+        made.up = (0.0, 0.0, 1.0)
         volumes.append(set_units(made, units[-1], code_length))
     return set_units(_vog.Levels(volumes), units[0], code_length)
 

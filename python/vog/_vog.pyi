@@ -306,6 +306,8 @@ class Field:
     @property
     def range(self) -> tuple[float, float]: ...
     @property
+    def spread(self) -> Union[tuple[float, float, float], None]: ...
+    @property
     def value(self) -> NDArray[np.float32]: ...
     @value.setter
     def value(self, value: ArrayLike) -> None: ...
@@ -555,6 +557,7 @@ def render_volume(
     field: str = ...,
     tf: _Map = ...,
     value_range: Union[ArrayLike, None] = ...,
+    scale: str = ...,
     window: Union[ArrayLike, None] = ...,
     bands: Union[Sequence[tuple[float, float, ArrayLike, float]], None] = ...,
     unit_distance: Union[float, None] = ...,

@@ -54,8 +54,7 @@ inline void put_description(nlohmann::ordered_json& json, const Gaussians& model
         json["up"] = vector_json(standing.up);
         if (standing.front != Vec3d{}) json["front"] = vector_json(standing.front);
     }
-    for (const Vec3d& point : model.content.hull)
-        json["hull"].push_back({float(point.x), float(point.y), float(point.z)});
+    for (const Vec3d& point : model.content.hull) json["hull"].push_back(vector_json(point));
 }
 /// Sets cutoff, origin, texts, box and content.
 /// throws  as vector_of

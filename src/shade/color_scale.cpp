@@ -8,7 +8,6 @@
 #include "data/image_checks.h"
 #include "vog/error.h"
 #include "vog/quantity.h"
-#include "vog/value_counts.h"
 
 namespace vog {
 
@@ -82,25 +81,19 @@ double percentile(std::vector<float>& values, double share) {
 
 }  // namespace
 
-bool asks_log(double low, double high) { return low > 0 && high >= 100 * low; }
-
 ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
     constexpr double kDecades = 1e4;
     double largest = 0, smallest = std::numeric_limits<double>::infinity();
-    ValueCounts counts;
     for (const DepthImage& image : images) {
         require_valid("values", image);
         for (const float value : image.depth) {
             if (!(value > 0)) continue;
             largest = std::max(largest, double{value});
             smallest = std::min(smallest, double{value});
-            counts.add(value, double{value});
         }
     }
     if (largest == 0) largest = 1;
-    const ValueSpread spread = counts.spread();
-    if (fit != ScaleFit::log && !(fit == ScaleFit::automatic && asks_log(spread.low, spread.high)))
-        return {Kind::linear, 0, largest};
+    if (fit != ScaleFit::log) return {Kind::linear, 0, largest};
     // One value alone gets the decade below it.
     const double low = std::max(std::min(smallest, largest / 10), largest / kDecades);
     return {Kind::log, low, largest};
@@ -108,12 +101,6 @@ ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
 
 ColorScale fitted_scale(std::span<const float> values, ScaleFit fit) {
     constexpr double kLow = 0.01, kHigh = 0.99, kDecades = 1e4;
-    if (fit == ScaleFit::automatic) {
-        const ColorScale linear = fitted_scale(values, ScaleFit::linear);
-        const bool positive = std::ranges::none_of(values, [](float value) { return value <= 0; });
-        return positive && asks_log(linear.low, linear.high) ? fitted_scale(values, ScaleFit::log)
-                                                             : linear;
-    }
     const bool log = fit == ScaleFit::log;
     std::vector<float> counted;
     for (const float value : values)

@@ -50,7 +50,7 @@ TEST_F(names, in_files_reach_no_terminal_raw) {
     for (const std::string command : {"info columns.csv", "info grids.vdb"})
         expect_printable(must(command).out);
     EXPECT_NE(must("info grids.vdb").out.find("grid 'a\\x1b[31m'"), std::string::npos);
-    must_fail(1, "convert grids.vdb -o a.ply", "it has: a\\x1b[31m, b\\xff, c\\x0ad");
+    must_fail(1, "evaluate grids.vdb -o e", "a\\x1b[31m, b\\xff, c\\x0ad");
     const auto json = nlohmann::json::parse(must("info --json grids.vdb columns.csv").out);
     EXPECT_EQ(json["files"][0]["grids"][1]["name"], "b\\xff");
     must_fail(1, "info $(printf 'no\\033such.vdb')", "no\\x1bsuch.vdb: no such file");

@@ -34,7 +34,7 @@ PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--m
 
 # Values that differ from the default, where those of option_pairs_test.py do not; COMMAND OPTION goes before OPTION.
 VALUES = {
-    "--renderer": "trace", "--interpolation": "linear", "--scale": "log", "--view": "+x", "--kappa": "0.2",
+    "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--kappa": "0.2",
     "--aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
     "--step": "0.05", "render --step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--similarity": "0.9",
     "view --scale": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--clip-plane": "1,0,0,20",
@@ -65,7 +65,7 @@ STATED = {("export", "--site"), ("mpi export", "--site"), ("export", "--levels")
 # Refused by what the data then lack, which the message names.
 OF_DATA = {"--no-fields", "--grid", "--field", "--carry", "--mask", "--mesh", "--method", "--renderer"}
 # Scans have no active voxel without a number.
-NOTHING_LEFT = {("--skip-nonfinite", "volume")}
+NOTHING_LEFT = {("--skip-nonfinite", "volume"), ("--log", "volume")}  # the default there is logarithmic
 
 MODEL, VOLUME, TEXT, POINTS = "{made}/model.ply", "{made}/small.nrrd", "{made}/points.csv", "{made}/points.vdb"
 SMALL = ["--size", "48x32"]

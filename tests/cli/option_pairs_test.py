@@ -35,7 +35,7 @@ VALUES = {
     "--memory": "200M", "--scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
     "--renderer": "reference", "--interpolation": "linear", "--step": "0.5", "--samples": "2", "--aabb-sigma": "1",
     "--pixel-error": "1", "--repeat": "2", "--anyhit": "collect", "--slab-hits": "4", "--stop-transmittance": "0.01",
-    "--view": "+x", "--azimuth": "30", "--elevation": "20", "--distance": "2", "--fov": "30", "--width": "20",
+    "--frame": "data", "--view": "+x", "--azimuth": "30", "--elevation": "20", "--distance": "2", "--fov": "30", "--width": "20",
     "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--roll": "10", "--camera": "{made}/camera.json",
     "--save-camera": "{out}/camera.json", "--extinction": "0.5", "--tf": "viridis", "--background": "white",
     "--show": "column", "--range": "0.1,2", "--units": "g/cm^2", "--title": "A title",

@@ -66,12 +66,13 @@ ROWS = [
     ("render few.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,2,3"),
     ("render twice.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,3,4"),
     ("render weights.csv -o p.png --value w", r"(--clip-negative)", "+"),
+    ("render smooth.csv -o p.png", r"(--radius adaptive)", "+"),
+    ("render smooth.csv -o p.png --periodic", r"expected (--periodic) EDGE", "render smooth.csv -o p.png {0} 9"),
     # Several volumes.
     ("render c.nrrd beside.nrrd -o p.png", r"(--sum) \(densities", "+"),
     ("render c.nrrd beside.nrrd -o p.png", r"(--mesh) \(the finest", "+"),
     ("render c.nrrd beside.nrrd -o p.png", r"(-o FOLDER/)", "+"),
     ("export c.nrrd beside.nrrd -o p.html", r"(-o FOLDER/)", "+"),
-    ("render amr.vdb -o p.png", r"(--grid 'density_L\*')", "+"),
     # Fields.
     ("render none.ply -o p.png --show volume", r"(vog convert VOLUME -o model.ply) makes", "{0}"),
     ("render none.ply -o p.png --show mean --field heat", r"(vog convert VOLUME -o model.ply --field \S+)", None),
@@ -102,7 +103,7 @@ ROWS = [
     ("export 'm*.ply' -o p.html", r"\((--no-steps):", "+"),
     ("export m.ply -o p.html --from https://e.org", r"one compact model \((.vogz)\)", "export m.vogz -o p.html --from https://e.org"),
     ("export m.ply -o site2/", r"(vog serve \S+) shows", None),
-    ("export m.ply -o p.html --scale pixels", r"not in \{(linear)", "export m.ply -o p.html --show column --scale {0}"),
+    ("export m.ply -o p.html --scale pixels", r"not in \{auto,(linear)", "export m.ply -o p.html --show column --scale {0}"),
     ("export m.ply -o p.html --scale log", r"works with (--show column)", "+"),
     ("view m.ply --headless", r"needs (--script)", None),
     ("view m.ply --scale log --headless --script t.vog", r"(--log) makes", None),
@@ -245,6 +246,7 @@ def make_inputs(case):
     rows = [f"{n * 7 % 11},{n * 5 % 13},{n * 3 % 17}" for n in range(100)]
     (case.folder / "nan.csv").write_text("\n".join(["x,y,z", *rows, "nan,1,2"]) + "\n")
     (case.folder / "weights.csv").write_text("\n".join(["x,y,z,w", *(row + ",1" for row in rows), "1,1,2,-3"]) + "\n")
+    (case.folder / "smooth.csv").write_text("\n".join(["x,y,z,smoothing_length", *(row + ",0.5" for row in rows)]) + "\n")
     (case.folder / "named.csv").write_text("\n".join(["a,b,c", *rows]) + "\n")
     (case.folder / "whole.xyz").write_text("2\nwater\n1 2 3 4\n8 3 4 5\n")
     (case.folder / "seven.xyz").write_text("1 2 3 4 5 6 7\n8 3 4 5 6 7 8\n")

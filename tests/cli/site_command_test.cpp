@@ -35,7 +35,7 @@ TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
         const Json difference = Json::parse(must("compare a.png b.png --json").out);
         EXPECT_GT(difference["psnr_rgb_db"].get<double>(), 38) << view << "\n" << difference;
     }
-    const Json far = Json::parse(must("render site -o far.png --size 32 --json").out);
+    const Json far = Json::parse(must("render site -o far.png --size 32 --distance 5 --json").out);
     EXPECT_LT(far["gaussians"].get<int>(), whole["gaussians"].get<int>() / 4);
     const Json maximum =
         Json::parse(must("render site -o m.png --size 32 --show maximum --json").out);

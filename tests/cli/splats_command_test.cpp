@@ -23,7 +23,7 @@ class splats_command : public CommandLine {
         model.box = {{-10, -10, 0}, {10, 10, 40}};
         if (with_field)
             model.fields.scalar.push_back(
-                {"density", "", 0, 2, true, {0.2f, 1.9f}, {{}, {}}, {0, 0}, {0, 0}});
+                {"density", "", 0, 2, true, {}, {0.2f, 1.9f}, {{}, {}}, {0, 0}, {0, 0}});
         write_ply(dir_ / "m.ply", model);
     }
     /// Rows of the 17 properties of a 3DGS PLY.
@@ -60,7 +60,7 @@ TEST_F(splats_command, default_is_white_upright_and_in_a_unit_box) {
 
 TEST_F(splats_command, transfer_functions_colour_fields_and_nothing_else) {
     write_model(true);
-    must("export m.ply -o s.ply --as 3dgs --tf inferno");
+    must("export m.ply -o s.ply --as 3dgs --tf ember");
     const auto colored = rows("s.ply");
     EXPECT_NE(colored[0][6], colored[1][6]);
     must("export m.ply -o s.ply --as 3dgs --field density");

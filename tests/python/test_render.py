@@ -167,7 +167,7 @@ def test_images_are_uint8_and_show_themselves(tmp_path, model):
     assert np.asarray(clear).shape == (30, 50, 4) and np.asarray(clear)[0, 0, 3] == 0
     image.save(tmp_path / "a.png")
     assert image._repr_png_() == (tmp_path / "a.png").read_bytes()
-    assert depth._repr_png_() == depth.shade("inferno")._repr_png_()
+    assert depth._repr_png_() == depth.shade("ember")._repr_png_()
     for back in (vog.Image.load(tmp_path / "a.png"), vog.Image.from_numpy(array), pickle.loads(pickle.dumps(image))):
         assert vog.compare(image, back).psnr_db == np.inf
     # Decoded by the PNG specification: 8 bits, RGB.

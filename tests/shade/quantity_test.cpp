@@ -69,31 +69,6 @@ TEST(quantity, automatic_scales_span_the_values) {
     EXPECT_NO_THROW((void)scale_position(automatic_scale({&empty, 1}, ScaleFit::log), 0));
 }
 
-TEST(quantity, automatic_scales_are_logarithmic_over_two_decades) {
-    std::vector<float> narrow, wide;
-    for (int n = 0; n < 1000; ++n) {
-        narrow.push_back(1 + 0.09f * static_cast<float>(n));
-        wide.push_back(std::pow(10.0f, 0.004f * static_cast<float>(n)));
-    }
-    EXPECT_EQ(fitted_scale(narrow, ScaleFit::automatic).kind, Kind::linear);
-    const ColorScale scale = fitted_scale(wide, ScaleFit::automatic);
-    EXPECT_EQ(scale.kind, Kind::log);
-    EXPECT_EQ(scale.low, fitted_scale(wide, ScaleFit::log).low);
-    wide.push_back(0);
-    EXPECT_EQ(fitted_scale(wide, ScaleFit::automatic).kind, Kind::linear);
-    // Columns by mass: many faint pixels do not ask for a logarithm.
-    std::vector<float> faint(5000, 1e-4f);
-    faint.insert(faint.end(), narrow.begin(), narrow.end());
-    DepthImage column(static_cast<int>(faint.size()), 1);
-    column.depth = faint;
-    EXPECT_EQ(automatic_scale({&column, 1}, ScaleFit::automatic).kind, Kind::linear);
-    // Half of the mass three decades below the other half.
-    faint.assign(1000, 1e-3f), faint.push_back(1);
-    column = DepthImage(static_cast<int>(faint.size()), 1);
-    column.depth = faint;
-    EXPECT_EQ(automatic_scale({&column, 1}, ScaleFit::automatic).kind, Kind::log);
-}
-
 TEST(quantity, values_are_coloured_by_position_and_empty_pixels_by_the_background) {
     const TransferFunction gray = named_transfer_function("gray");
     const Rgba red{1, 0, 0, 1};

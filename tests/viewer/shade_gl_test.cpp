@@ -86,7 +86,7 @@ TEST_F(shade_gl, opacity_range_gamma_inversion_blend_and_background_are_the_cpus
 
 TEST_F(shade_gl, a_look_without_changes_is_the_map_itself) {
     const Look look;
-    const TransferFunction tf = transfer_function(look), map = named_transfer_function("inferno");
+    const TransferFunction tf = transfer_function(look), map = named_transfer_function(kDefaultMap);
     for (int i = 0; i <= 1000; ++i) {
         const float v = static_cast<float>(i) / 1000;
         EXPECT_EQ(color_at(tf, v), color_at(map, v)) << v;

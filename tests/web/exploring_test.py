@@ -55,7 +55,8 @@ class Exploring(PageTest):
         # Three values of equal measure, four decades apart, and a field of both signs.
         cls.decades = [([k, 0, 0], [0.3] * 3, 1, [(v, [0] * 3), (k - 1, [0] * 3)]) for k, v in enumerate((1e-3, 0.1, 10))]
         write_scalars(cls.folder / "decades.ply", cls.decades, [("scalar", "f", 1e-3, 10), ("scalar", "signed", -1, 1)])
-        vog("export", "decades.ply", "-o", "decades.html", "--levels", 1, "--show", "volume", "--field", "f", "--slabs", 8)
+        vog("export", "decades.ply", "-o", "decades.html", "--levels", 1, "--show", "volume", "--field", "f", "--slabs", 8,
+            "--scale", "linear")
 
     def start(self, page, fragment="#subframes=1&show=T"):
         self.browser.leave()

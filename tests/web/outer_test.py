@@ -50,7 +50,7 @@ const shown = () => until(() => inner().vog?.state && model.values.link);
         return dict(word.partition("=")[::2] for word in self.value("model.values.link").lstrip("#").split("&"))
 
     def test_the_page_reports_its_settings(self):
-        self.assertEqual(self.link()["map"], "inferno")
+        self.assertEqual(self.link()["map"], "ember")
         self.assertEqual(self.value("document.querySelector('iframe').clientHeight"), 220)
         # A hand in the page arrives in Python.
         self.value("inner().vog.change({ map: 'viridis' })")
@@ -91,7 +91,7 @@ const shown = () => until(() => inner().vog?.state && model.values.link);
 
     def test_a_page_of_its_own_sends_nothing(self):
         self.open("one.html")
-        self.assertEqual(self.value("vog.state.map"), "inferno")
+        self.assertEqual(self.value("vog.state.map"), "ember")
 
 
 class Embedded(PageTest):

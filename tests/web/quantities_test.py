@@ -77,7 +77,7 @@ class Quantities(QuantityTest):
         stride = len(rows) // count
         kept = [rows[n * stride:(n + 1) * stride] for n in range(count) if n % 50 != 25]
         (self.folder / "fewer.ply").write_bytes(head.replace(b"vertex %d" % count, b"vertex %d" % len(kept)) + b"end_header\n" + b"".join(kept))
-        vog("export", "fewer.ply", "-o", "fewer.html", "--levels", 1)
+        vog("export", "fewer.ply", "-o", "fewer.html", "--levels", 1, "--tf", "inferno")
         tf = ("--tf", self.write_transfer(RAMP))
 
         def expect_failures():
@@ -140,7 +140,7 @@ class Quantities(QuantityTest):
         places = [self.plane_through(slanted, -0.1), self.plane_through(flat, -0.3)]
         planes = ["--clip-plane=" + ",".join(map(repr, (*normal, place))) for normal, place in zip((slanted, flat), places)]
         # The export's planes are the page's first ones.
-        vog("export", "model.ply", "-o", "planes.html", "--levels", 1, *planes)
+        vog("export", "model.ply", "-o", "planes.html", "--levels", 1, "--tf", "inferno", *planes)
         whole = self.bytes()
         self.start("planes.html")
         extinction = repr(self.value("vog.page.models[0].extinction"))
@@ -321,16 +321,17 @@ class Quantities(QuantityTest):
         self.browser.drag(x, y, x + 20, y - 10)
         self.browser.settle()
         edited = self.value("vog.state.transfers[0].opacity")
-        self.assertEqual(len(edited), 3)
+        self.assertGreater(len(edited), 2)
         self.assertNotEqual(self.bytes(), before)
         self.browser.key("ArrowUp")
-        self.assertAlmostEqual(self.value("vog.state.transfers[0].opacity[1][1]"), edited[1][1] + 0.02)
+        raised = [new[1] - old[1] for new, old in zip(self.value("vog.state.transfers[0].opacity"), edited) if new != old]
+        self.assertEqual([round(by, 6) for by in raised], [0.02])
         for _ in range(8):
             self.value("undo.click()")
         self.browser.settle()
         self.assertEqual(self.bytes(), before)
         self.value("redo.click()")
-        self.assertEqual(len(self.value("vog.state.transfers[0].opacity")), 3)
+        self.assertEqual(len(self.value("vog.state.transfers[0].opacity")), len(edited))
         # Saved files are what the command reads.
         text = self.value("""new Promise((done) => {
             HTMLAnchorElement.prototype.click = function () { done(decodeURIComponent(this.href.split(',').slice(1).join(','))); };

@@ -329,7 +329,7 @@ class Pages(PageTest):
             self.browser.prefer(prefers_color_scheme=scheme)
             self.open("system.html")
             self.assertEqual(self.value("document.documentElement.dataset.ground"), ground)
-            self.expect_same("coarse.ply", "--blend", "--background", color, tf="inferno")
+            self.expect_same("coarse.ply", "--blend", "--background", color, tf="ember")
 
     def test_a_lost_context_comes_back(self):
         self.open()
@@ -363,7 +363,7 @@ class Pages(PageTest):
         self.browser.settle()
         self.assertTrue(self.value("notice.hidden"))
         self.value("vog.change({camera: {eye: [1, 2, 12], at: [1, 2, 3], up: [0, 1, 0], fov: 50}})")
-        self.expect_same("one.ply")
+        self.expect_same("one.ply", least=47.4)  # 50.9 measured: alpha of 8 bits below V = 0.05
 
     def test_many_gaussians_open(self):
         count, levels = (1_000_000, 5) if nightly() else (30_000, 3)

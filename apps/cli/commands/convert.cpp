@@ -392,7 +392,7 @@ Converted converted(const Gaussians& model, const Hierarchy& hierarchy, const st
             model.source_voxels,
             hierarchy.size(),
             std::filesystem::file_size(output),
-            mass(model),
+            mass_without_images(model),
             model.fields.names(),
             {}};
 }

@@ -6,6 +6,7 @@
 
 #include "options/field_options.h"
 #include "vog/distributed.h"
+#include "vog/scan_io.h"
 #include "vog/text.h"
 #include "vog/volume_io.h"
 
@@ -101,6 +102,7 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
             if (same_grid(source, from) && !given.ones) {
                 fields.push_back(
                     measure_field(volume, source.name.empty() ? "density" : source.name));
+                fields.back().unit = volume_head(from.file, from.grid).value_unit;
                 continue;
             }
             FieldCoverage one;

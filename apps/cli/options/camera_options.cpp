@@ -158,7 +158,8 @@ bool view_given(const CLI::App& command) {
 
 Subject framed(const ViewArguments& arguments, const Subject& subject) {
     Subject shown = subject;
-    if (arguments.frame == "data") shown.content.hull = Subject(subject.box).content.hull;
+    if (arguments.frame == "data" || arguments.view == "paper")
+        shown.content.hull = Subject(subject.box).content.hull;
     return shown;
 }
 

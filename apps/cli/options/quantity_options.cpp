@@ -44,12 +44,10 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
     const OptionGroup grouped(command, kQuantityGroup);
     add_shown_options(command, arguments);
     command
-        .add_option(
-            "--scale", arguments.scale,
-            "Colour scale: linear, log, auto, which without --range is log where values above 0 "
-            "extend "
-            "over two decades and more (volume: over one), or for fields symmetric: the range is "
-            "centred at 0")
+        .add_option("--scale", arguments.scale,
+                    "Colour scale: linear, log, for fields symmetric, whose range is centred at 0, "
+                    "or auto: "
+                    "linear, of volume log where values above 0 extend over a decade and more")
         ->check(CLI::IsMember({"auto", "linear", "log", "symmetric"}))
         ->capture_default_str();
     command.add_option(

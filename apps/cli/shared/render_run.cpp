@@ -72,37 +72,6 @@ Image pictured(const RenderArguments& arguments, const Drawing& drawing, const C
 
 }  // namespace
 
-Box outline_of(const Subject& subject) {
-    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
-}
-
-Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing,
-                        const Camera& camera, Image image, const TransferFunction& tf,
-                        const ColorScale& scale, const std::string& label) {
-    const QuantityArguments& given = arguments.quantity;
-    const Rgba background = shading_of(arguments.color).background;
-    if (given.axes || given.scale_bar)
-        draw_frame(image,
-                   {camera,
-                    outline_of(arguments.subject.value_or(drawing.subject)),
-                    {},
-                    given.axes,
-                    given.scale_bar},
-                   background);
-    if (!given.color_bar && given.title.empty()) return image;
-    Annotation around{given.title, label, given.color_bar};
-    if (given.color_bar) around.sides = side_ticks(camera, image.width, image.height);
-    return annotated(image, tf, scale, around, background);
-}
-
-double units_factor(const std::string& stated, const std::string& requested) {
-    if (stated.empty() || requested.empty()) return 1;
-    if (const std::optional<double> factor = unit_factor(stated, requested)) return *factor;
-    throw CLI::ValidationError(fmt::format(
-        "--units {}: the data are in {}, expected a unit that it converts to, or no --units",
-        requested, stated));
-}
-
 double share_above(std::span<const float> values, double limit) {
     const auto above =
         std::ranges::count_if(values, [&](float value) { return double{value} > limit; });
@@ -330,15 +299,6 @@ void require_finite(const DepthImage& image, const std::string& input) {
                     std::numeric_limits<float>::max()));
 }
 
-/// Unit of column density by the units of values and lengths that dense images state: "g/cm3 kpc"; empty: not known.
-std::string column_unit(const RenderArguments& arguments) {
-    const std::string& input = arguments.drawing.inputs.front();
-    if (kind_of(input, arguments.drawing.volume.grid) != FileKind::volume) return {};
-    const VolumeHead head = volume_head(input, arguments.drawing.volume.grid);
-    if (head.value_unit.empty() || head.length_unit.empty()) return {};
-    return head.value_unit + " " + head.length_unit;
-}
-
 /// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
 RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
                         const RenderRanks& ranks) {
@@ -375,7 +335,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
 
-    const std::string stated = arguments.quantity.column() ? column_unit(arguments) : "";
+    const std::string stated = arguments.quantity.column() ? column_unit(head_of(arguments)) : "";
     const double factor = units_factor(stated, arguments.quantity.units);
     if (arguments.quantity.units.empty()) arguments.quantity.units = stated;
     const Drawing drawing =

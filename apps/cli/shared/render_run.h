@@ -24,6 +24,7 @@
 #include "vog/distributed.h"
 #include "vog/image.h"
 #include "vog/lod.h"
+#include "vog/scan_io.h"
 #include "vog/trace.h"
 
 namespace vog::cli {
@@ -86,6 +87,10 @@ Box outline_of(const Subject& subject);
 Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing,
                         const Camera& camera, Image image, const TransferFunction& tf,
                         const ColorScale& scale, const std::string& label);
+/// Head of the first input where it is a dense image, with the units that it states; else empty.
+VolumeHead head_of(const RenderArguments& arguments);
+/// Unit of column density by those of values and lengths: "g/cm3 kpc"; empty: not known.
+std::string column_unit(const VolumeHead& head);
 /// Factor from the unit that the data state to the one of --units; 1 where one of the two is not known.
 /// throws  CLI::ValidationError for --units that does not measure the same
 double units_factor(const std::string& stated, const std::string& requested);

@@ -274,6 +274,17 @@ std::string whole_options(std::string part_options, const VolumeConversion& conv
                               : fmt::format("{} (in {} parts)", part_options, ranks.count());
 }
 
+/// Content of an input, of which each rank holds a part.
+Content content_of_all(const std::vector<Volume>& volumes, const Ranks& ranks) {
+    Box box;
+    std::vector<const Volume*> pointers;
+    for (const Volume& volume : volumes) {
+        if (!volume.empty()) box.include(world_box(volume));
+        pointers.push_back(&volume);
+    }
+    return content_of(pointers, ranks.box_union(box), &ranks.collective());
+}
+
 /// The header of the file: source, options and counts of the whole of each input, joined.
 Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<Gaussians>& models,
                          const VolumesPart& from, const VolumeConversion& conversion,
@@ -287,10 +298,10 @@ Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<
         one.cutoff =
             static_cast<float>(ranks.max(models[n].source.empty() ? 0.0 : models[n].cutoff));
         one.source_voxels = ranks.sum(parts[n].voxels);
+        one.content = from.is_mesh() ? from.content : content_of_all(parts[n].volumes, ranks);
         append(all, one);
     }
     all.box = from.box;
-    all.content = from.content;
     all.origin = model_origin(from.box);
     return all;
 }

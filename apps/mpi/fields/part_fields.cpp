@@ -79,7 +79,7 @@ std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
     const cli::FieldTexts texts = cli::field_texts(arguments, own_name(volumes, ranks));
     std::vector<std::string> notes;
     std::map<std::string, Range> ranges;
-    std::map<std::string, ValueCounts> counts;
+    std::map<std::string, ValueSpread> spreads;
     Fields& described = model.description.fields;
     for (std::size_t n = 0; n < volumes.size(); ++n) {
         std::vector<Volume>& own = *volumes[n];
@@ -112,7 +112,9 @@ std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
             if (f < fields.size())
                 for (const VoxelField& field : fields[f]) own_counts.add(field.counts);
             ranks.sum(own_counts.weights());
-            counts[names.front()].add(own_counts);
+            const ValueSpread spread = own_counts.spread();
+            const auto [place, first] = spreads.try_emplace(names.front(), spread);
+            if (!first && place->second != spread) place->second = {};  // as joined models have it
             const FieldCoverage whole = over_ranks(coverage[f], ranks);
             if (whole.voxels == 0) continue;  // the volumes' own values
             if (const std::string note = coverage_note(whole); !note.empty()) notes.push_back(note);
@@ -125,7 +127,7 @@ std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
     };
     std::ranges::for_each(described.scalar, set_range);
     const auto set_spread = [&](Fields& fields) {
-        for (ScalarField& field : fields.scalar) field.spread = counts[field.name].spread();
+        for (ScalarField& field : fields.scalar) field.spread = spreads[field.name];
     };
     set_spread(described);
     for (Gaussians& input : model.inputs) set_spread(input.fields);

@@ -127,9 +127,9 @@ void Session::set_map(const std::string& name_or_file) {
     const ValueData data = value_data(*shown_level()->model, field);
     if (!points.at_values && points.points.opacity.empty()) {
         const auto [lower, upper] = range_of(*values.now());
-        const ColorScale scale = value_scale(data);
+        const ColorScale usual = value_scale(data);
         const bool log =
-            scale.kind == ColorScale::Kind::log && lower == scale.low && upper == scale.high;
+            usual.kind == ColorScale::Kind::log && lower == usual.low && upper == usual.high;
         return set_values(with_map(*values.now(), load_transfer_function(name_or_file), log));
     }
     TransferRequest request;

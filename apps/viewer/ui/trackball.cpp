@@ -138,7 +138,7 @@ Camera named_view(const Camera& camera, const std::string& name, const Subject& 
     orbit.up = up;
     orbit.orthographic = camera.orthographic();
     set_view(orbit, name);
-    return orbit_view(subject, orbit, aspect);
+    return orbit_view(name == "paper" ? Subject(subject.box) : subject, orbit, aspect);
 }
 
 Camera with_projection(const Camera& camera, bool orthographic, double aspect) {

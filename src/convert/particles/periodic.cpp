@@ -133,6 +133,21 @@ std::optional<Box> periodic_box(const Gaussians& model) {
     return box_of_numbers(n);
 }
 
+double mass_without_images(const Gaussians& model) {
+    const std::optional<Box> period = periodic_box(model);
+    if (!period) return mass(model);
+    double sum = 0;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const Vec3d at = world_mean(model, i);
+        bool inside = true;
+        for (int axis = 0; axis < 3; ++axis)
+            inside &= at[axis] >= period->lower[axis] && at[axis] < period->upper[axis];
+        if (inside) sum += mass(model, i);
+        keep_memory_at(i);
+    }
+    return sum;
+}
+
 Clipping inside_period(Clipping clip, const Gaussians& model) {
     const std::optional<Box> period = periodic_box(model);
     if (!period) return clip;

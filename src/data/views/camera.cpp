@@ -76,9 +76,11 @@ struct Fit {
 /// A point `at` of the hull, relative to the target, lies within the image if
 ///   |right - r| <= slope (along + distance),  r: place of the view's axis,
 /// and likewise upwards: both sides give the least distance and the r at which it is reached.
-/// about  target; none: the one that centres the hull
+/// about  target; none: the one that centres the hull, of a box alone its centre
 Fit fit(const Subject& subject, const ViewAxes& axes, const Camera& lens, double aspect,
-        const std::optional<Vec3d>& about = {}) {
+        std::optional<Vec3d> about = {}) {
+    if (!about && subject.content.hull == Subject(subject.box).content.hull)
+        about = subject.box.center();
     const double slope_y = kFitShare * std::tan(radians(0.5 * lens.fov_degrees));
     constexpr double kOutside = 1.05;  // a needle along the view lies in front of the eye, too
     Fit fit{about.value_or(middle_of(subject, axes))};
@@ -261,7 +263,10 @@ Camera orbit_view(const Subject& subject, const Orbit& orbit, double aspect) {
     const Subject shown = shown_subject(subject);
     const double radius = shown.box.radius();
     const bool is_fitted = orbit.orthographic ? orbit.width == 0 : orbit.distance_radii == 0;
-    Fit place{shown.box.center(), orbit.distance_radii * radius, orbit.width};
+    Fit place{orbit.orthographic ? middle_of(shown, view)
+                                 : middle_of(shown, ViewAxes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}),
+              orbit.distance_radii * radius,
+              orbit.width};  // from a stated distance turns share one middle
     if (is_fitted) place = fit(shown, view, camera, aspect);
     if (orbit.orthographic) {
         camera.orthographic_width = place.width;

@@ -42,6 +42,13 @@ double longest_step(const Affine& map) {
         {length(map.linear.column(0)), length(map.linear.column(1)), length(map.linear.column(2))});
 }
 
+/// Rounded to 24 bits of a length, to numbers of few digits, which files hold exactly.
+Vec3d rounded(Vec3d point, double length) {
+    const double unit = std::exp2(std::ilogb(length) - 24);
+    for (int axis = 0; axis < 3; ++axis) point[axis] = unit * std::round(point[axis] / unit) + 0.0;
+    return point;
+}
+
 /// Mass of the data on a lattice of cubic cells in a box.
 class MassLattice {
   public:
@@ -106,7 +113,7 @@ class MassLattice {
                     const Vec3d farthest = std::ranges::max(candidates, {}, along);
                     const bool held = std::ranges::any_of(
                         points, [&](Vec3d p) { return along(p) >= along(farthest) - slack; });
-                    if (!held) points.push_back(farthest);
+                    if (!held) points.push_back(rounded(farthest, box.radius()));
                 }
         return points;
     }

@@ -371,8 +371,7 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
         if (v != Vec3d{}) text += fmt::format("comment {} {} {} {}\n", name, v.x, v.y, v.z);
     if (!model.content.hull.empty()) {
         text += "comment hull";
-        for (const Vec3d& p : model.content.hull)
-            text += fmt::format(" {:.7g} {:.7g} {:.7g}", p.x, p.y, p.z);
+        for (const Vec3d& p : model.content.hull) text += fmt::format(" {} {} {}", p.x, p.y, p.z);
         text += "\n";
     }
     if (model.source_voxels) text += fmt::format("comment source_voxels {}\n", model.source_voxels);

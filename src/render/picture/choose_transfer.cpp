@@ -94,7 +94,7 @@ double rough_unit_distance(const Box& box) {
 
 double map_unit_distance(const ValueData& data, const ColorScale& scale) {
     if (data.box.empty()) return 1;
-    // Twice: pictures of nine data sets then have a mean luminance of 0.35 to 0.65 where they show anything.
+    // Twice: the pictures of exposure_test.cpp then have a mean luminance of 0.35 to 0.65 where they show anything.
     constexpr double kDepth = 2;
     const Vec3d edge = data.box.upper - data.box.lower;
     // Mean over all directions, a quarter of the surface.

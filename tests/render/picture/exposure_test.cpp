@@ -57,12 +57,11 @@ void expect_exposed(const std::string& name, std::span<const Volume> volumes) {
 
 TEST(exposure, samples_have_a_luminance_in_the_middle) {
     const SampleOptions options{.size = 64};
-    for (const auto& [name, make] : {std::pair{"cloud", sample_cloud},
-                                     {"explosion", sample_explosion},
-                                     {"head", sample_head}}) {
-        const Volume volume = make(options);
-        expect_exposed(name, {&volume, 1});
-    }
+    const Volume cloud = sample_cloud(options), explosion = sample_explosion(options),
+                 head = sample_head(options);
+    expect_exposed("cloud", {&cloud, 1});
+    expect_exposed("explosion", {&explosion, 1});
+    expect_exposed("head", {&head, 1});
 }
 
 TEST(exposure, real_data_have_a_luminance_in_the_middle) {

@@ -68,7 +68,7 @@ TEST(picture_defaults, percentiles_are_those_of_the_mass) {
     const ValueSpread spread = counts.spread();
     EXPECT_NEAR(spread.low, -990, 5);
     EXPECT_NEAR(spread.middle, -500, 3);
-    EXPECT_NEAR(spread.high, -10, 0.1);
+    EXPECT_NEAR(spread.high, -10.5, 0.6);  // -10 or -11: a hundredth lies above
     ValueCounts twice = counts;
     twice.add(counts);
     EXPECT_EQ(twice.spread(), spread);
