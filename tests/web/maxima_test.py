@@ -31,7 +31,7 @@ class Maxima(QuantityTest):
         self.pictures("model.html", self.off)
 
     def test_maxima_of_precise_pages_are_nearer(self):
-        vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise")
+        vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise", "--tf", "inferno")
         self.pictures("precise.html", self.off_precise)
 
     def test_maxima_have_a_number_and_a_link(self):
