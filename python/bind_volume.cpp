@@ -172,9 +172,16 @@ void set_nodes(Nodes& nodes, const py::handle& bytes) {
     std::memcpy(static_cast<void*>(nodes.data()), view.data(), view.size());
 }
 
-/// A direction, or None where it is not known.
-py::object direction_object(Vec3d direction) {
+/// How a volume stands: a direction, or None where it is not known.
+template <Vec3d Standing::*kDirection>
+py::object direction_at(const Volume& volume) {
+    const Vec3d direction = volume.standing.*kDirection;
     return direction == Vec3d{} ? py::object(py::none()) : py::cast(direction);
+}
+template <Vec3d Standing::*kDirection>
+void set_direction_at(Volume& volume, const py::object& direction) {
+    volume.standing.*kDirection =
+        direction.is_none() ? Vec3d{} : normalized(direction_of(direction));
 }
 
 py::tuple volume_state(const Volume& volume) {
@@ -321,18 +328,12 @@ True)")
             "box", [](const Volume& self) { return box_array(world_box(self)); },
             "[2, 3] float64: lower and upper corner in world space, padded to whole leaves.")
         .def_property(
-            "up", [](const Volume& self) { return direction_object(self.standing.up); },
-            [](Volume& self, const py::object& up) {
-                self.standing.up = up.is_none() ? Vec3d{} : normalized(direction_of(up));
-            },
+            "up", &direction_at<&Standing::up>, &set_direction_at<&Standing::up>,
             "(x, y, z), or the name of an axis when it is set: the direction that is upright in "
             "the data, as "
             "the file says or implies; None: not known, pictures take y.")
         .def_property(
-            "front", [](const Volume& self) { return direction_object(self.standing.front); },
-            [](Volume& self, const py::object& front) {
-                self.standing.front = front.is_none() ? Vec3d{} : normalized(direction_of(front));
-            },
+            "front", &direction_at<&Standing::front>, &set_direction_at<&Standing::front>,
             "(x, y, z): direction to an eye that sees the front, of scans of people; None: not "
             "known.")
         .def_property_readonly(

@@ -37,7 +37,7 @@ double scale_position(const ColorScale& scale, double value);
 enum class ScaleFit {
     automatic,  ///< linear; of volumes as value_scale (vog/picture.h) has it
     linear,     ///< from the 1st to the 99th percentile
-    log,        ///< likewise of the values above 0, at most four decades
+    log,        ///< the same percentiles of the values above 0, at most four decades
     symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes
 };
 /// Scale of all values of images: linear from 0 to the largest, or logarithmic over the four

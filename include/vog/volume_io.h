@@ -71,8 +71,8 @@ Volume read_volume(const std::filesystem::path& file, const VdbOptions& options 
 /// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> grid_names(const std::filesystem::path& file);
 
-/// A pattern with one * that several names match and all of which it matches: "density_L*" of density_L0 and
-/// density_L1, whose rest is a number. Empty: the names are not levels.
+/// Pattern of names that differ only in a number at their end, with * in its place: "density_L*" of density_L0 and
+/// density_L1. Empty: the names are not levels.
 std::string level_pattern(const std::vector<std::string>& names);
 
 /// Options of read_levels.

@@ -65,6 +65,23 @@ std::vector<PictureReport> allgather(const std::vector<PictureReport>& own,
     return all;
 }
 
+/// Makes later pictures share the scales of the first one, which only one rank may have.
+/// returns  those scales
+SharedScales share_first(const std::optional<RenderedPicture>& first, const RenderRanks& ranks,
+                         RenderArguments& later) {
+    std::array<double, 5> figures;
+    figures.fill(-std::numeric_limits<double>::infinity());
+    if (first) {
+        const SharedScales own = scales_of(*first);
+        figures = {own.extinction, own.low, own.high, own.unit_distance, own.log};
+    }
+    ranks.collective.max(figures);
+    const auto [extinction, low, high, unit_distance, log] = figures;
+    const SharedScales all{extinction, low, high, unit_distance, log};
+    share(all, later);
+    return all;
+}
+
 /// What the camera of a sequence frames: all inputs.
 Subject subject_of_all(const RenderArguments& arguments, const std::vector<bool>& assigned,
                        const RenderRanks& ranks) {
@@ -108,31 +125,24 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     if (!ranks.is_root) one.view.save_camera.clear();
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
-        // Extinction, range and unit distance. Only the rank that renders the first picture has them.
-        std::array<double, 5> figures;
-        figures.fill(-std::numeric_limits<double>::infinity());
+        std::optional<RenderedPicture> picture;
         if (assigned[n]) {
             one.drawing.inputs = {frames[n].input};
             one.output = frames[n].output;
             if (!depths.empty()) one.depth_output = depths[n].output;
             if (!values.empty()) one.quantity.values_output = values[n].output;
-            const RenderedPicture picture = render(one, command).front();
-            const SharedScales scales = scales_of(picture);
-            figures = {scales.extinction, scales.low, scales.high, scales.unit_distance,
-                       scales.log};
+            picture = render(one, command).front();
             const bool film = is_film(arguments.output);
-            own.push_back(report_of(n, film ? frames[n].input : picture.output, picture));
+            own.push_back(report_of(n, film ? frames[n].input : picture->output, *picture));
             if (!arguments.json && !ranks.allgather) print_line(own.back().line);
         }
         if (n > 0) continue;
-        ranks.collective.max(figures);
-        const auto [extinction, low, high, unit_distance, log] = figures;
-        share({extinction, low, high, unit_distance, log}, one);
+        const SharedScales scales = share_first(picture, ranks, one);
         if (fixes_range && ranks.is_root)
             note(
                 fmt::format("colours of all pictures from {:.6g} to {:.6g}, the range of the "
                             "first (--range sets another)",
-                            low, high));
+                            scales.low, scales.high));
     }
     std::vector<PictureReport> all = allgather(own, ranks);
     std::ranges::sort(all, {}, &PictureReport::frame);
@@ -162,19 +172,9 @@ std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& argument
         one.drawing.inputs = {inputs[static_cast<std::size_t>(step)]};
         std::vector<RenderedPicture> pictures = render(one, command, ranks);
         one.view.save_camera.clear();
-        if (step == 0) {
-            // Ranks other than the root have no figures.
-            std::array<double, 5> figures;
-            figures.fill(-std::numeric_limits<double>::infinity());
-            if (!pictures.empty()) {
-                const SharedScales scales = scales_of(pictures.front());
-                figures = {scales.extinction, scales.low, scales.high, scales.unit_distance,
-                           scales.log};
-            }
-            ranks.collective.max(figures);
-            const auto [extinction, low, high, unit_distance, log] = figures;
-            share({extinction, low, high, unit_distance, log}, one);
-        }
+        if (step == 0)
+            share_first(pictures.empty() ? std::nullopt : std::optional(pictures.front()), ranks,
+                        one);
         std::ranges::move(pictures, std::back_inserter(all));
     }
     return all;

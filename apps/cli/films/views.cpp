@@ -70,9 +70,7 @@ bool is_fitted(const CLI::App& command, const Camera& camera) {
 Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Subject& subject,
                       double aspect) {
     Camera result = first;
-    Box hull;
-    for (const Vec3d& point : subject.content.hull) hull.include(point);
-    if (!hull.empty()) result.look_at = hull.center();
+    result.look_at = orbit_view(subject, {.distance_radii = 1}).look_at;
     result.eye = result.look_at + (first.eye - first.look_at);
     double farthest = 0;
     for (const Camera& camera : turn_of(result, up, count)) {

@@ -131,8 +131,8 @@ void add_value_options(CLI::App& command, ValueArguments& arguments) {
         "--unit-distance", arguments.unit_distance,
         "World length over which opacities hold: extinction = -ln(1 - opacity) / unit "
         "distance. Default: the file's of --tf, else a hundredth of the box's diagonal; "
-        "for the name of a colour map the one at which the data, spread evenly over the "
-        "silhouette of their box, have an optical depth of 1");
+        "for the name of a colour map the one at which data of the median value, spread evenly "
+        "over the silhouette of their box, have an optical depth of 2");
     command.add_option(
         "--light", arguments.light,
         "Light of Blinn and Phong on the gradient of the values: head (from the eye) or "

@@ -17,6 +17,7 @@ Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing
                         const ColorScale& scale, const std::string& label) {
     const QuantityArguments& given = arguments.quantity;
     const Rgba background = shading_of(arguments.color).background;
+    if (!given.axes && !given.scale_bar && !given.color_bar && given.title.empty()) return image;
     const std::string length = head_of(arguments).length_unit;
     if (given.axes || given.scale_bar)
         draw_frame(image,

@@ -14,8 +14,6 @@
 #include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/picture.h"
-#include "vog/scan_io.h"
-#include "vog/units.h"
 
 namespace vog::cli {
 

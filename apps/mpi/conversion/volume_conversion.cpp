@@ -274,7 +274,7 @@ std::string whole_options(std::string part_options, const VolumeConversion& conv
                               : fmt::format("{} (in {} parts)", part_options, ranks.count());
 }
 
-/// Content of an input, of which each rank holds a part.
+/// Content of an input that is divided among the ranks.
 Content content_of_all(const std::vector<Volume>& volumes, const Ranks& ranks) {
     Box box;
     std::vector<const Volume*> pointers;
