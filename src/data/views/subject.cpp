@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <optional>
 #include <string>
 
 #include "core/paging.h"
@@ -98,11 +99,11 @@ class MassLattice {
     void sum_over(const Collective& collective) { collective.sum(mass_); }
 
     /// Points whose hull holds what is seen; none where there is no mass.
-    std::vector<Vec3d> hull() const {
-        const std::vector<Lit> lit = within_most_light(lit_cells());
-        if (lit.empty()) return {};
+    std::vector<Vec3d> hull() {
+        to_light();
         std::vector<Vec3d> points;
-        const std::vector<Vec3d> candidates = ends_of_rows(lit);
+        const std::vector<Vec3d> candidates = ends_of_rows(most_of_the_light());
+        if (candidates.empty()) return {};
         Box box;
         for (const Vec3d& at : candidates) box.include(at);
         const double slack = kHullAccuracy * box.radius();
@@ -119,9 +120,18 @@ class MassLattice {
     }
 
   private:
-    struct Lit {
-        Vec3i cell;
-        double light;
+    /// Cells between two ends along one direction.
+    struct Slab {
+        Vec3d direction;
+        std::size_t low, high;
+        static std::size_t bin(Vec3i cell, Vec3d direction) {
+            return static_cast<std::size_t>(
+                std::lround(2 * dot(vec_cast<double>(cell), direction)) + 8 * kCells);
+        }
+        bool holds(Vec3i cell) const {
+            const std::size_t at = bin(cell, direction);
+            return low <= at && at <= high;
+        }
     };
 
     std::size_t at(Vec3i cell) const {
@@ -164,87 +174,86 @@ class MassLattice {
                     if (const double mass = mass_[at(cell)]; mass > 0) visit(cell, mass);
     }
 
-    /// Cells that are seen, each with its share of the light of its three columns.
-    std::vector<Lit> lit_cells() const {
+    /// Replaces the mass of each cell by its share of the light of its three columns.
+    void to_light() {
         std::array<std::vector<double>, 3> column;
-        const auto place = [&](int axis, Vec3i cell) {
-            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-            return static_cast<std::size_t>(cell[u] * count_[v] + cell[v]);
+        const auto place = [&](std::size_t axis, Vec3i cell) -> double& {
+            const int u = (static_cast<int>(axis) + 1) % 3, v = (static_cast<int>(axis) + 2) % 3;
+            return column[axis][static_cast<std::size_t>(cell[u] * count_[v] + cell[v])];
         };
         for (int axis = 0; axis < 3; ++axis)
             column[static_cast<std::size_t>(axis)].resize(
                 static_cast<std::size_t>(count_[(axis + 1) % 3] * count_[(axis + 2) % 3]));
         each_cell([&](Vec3i cell, double mass) {
-            for (int axis = 0; axis < 3; ++axis)
-                column[static_cast<std::size_t>(axis)][place(axis, cell)] += mass;
+            for (std::size_t axis = 0; axis < 3; ++axis) place(axis, cell) += mass;
         });
         std::vector<double> all;
         for (const std::vector<double>& one : column)
             std::ranges::copy_if(one, std::back_inserter(all),
                                  [](double mass) { return mass > 0; });
-        if (all.empty()) return {};
+        if (all.empty()) return;
         const auto percentile =
             all.begin() + static_cast<std::ptrdiff_t>(0.99 * double(all.size() - 1));
         std::ranges::nth_element(all, percentile);
         const double extinction = kLargestDepth / *percentile;
-        std::vector<Lit> lit;
-        each_cell([&](Vec3i cell, double mass) {
-            double light = 0;
-            for (int axis = 0; axis < 3; ++axis) {
-                const double sum = column[static_cast<std::size_t>(axis)][place(axis, cell)];
+        // Light for each unit of mass.
+        for (std::vector<double>& one : column)
+            for (double& sum : one) {
                 const double seen = -std::expm1(-extinction * sum);
-                if (seen >= kLeastLight) light += seen * (mass / sum);
+                sum = seen >= kLeastLight ? seen / sum : 0;
             }
-            if (light > 0) lit.push_back({cell, light});
+        each_cell([&](Vec3i cell, double mass) {
+            mass_[at(cell)] = mass * (place(0, cell) + place(1, cell) + place(2, cell));
         });
-        return lit;
     }
 
-    /// Cells between the ends of all but a share of the light, along 13 axes.
-    static std::vector<Lit> within_most_light(std::vector<Lit> lit) {
-        double all = 0;
-        for (const Lit& one : lit) all += one.light;
-        std::vector<char> kept(lit.size(), 1);
+    /// The slabs along 13 axes between whose ends all but a share of the light lies.
+    std::vector<Slab> most_of_the_light() const {
+        std::vector<Slab> slabs;
         for (const Vec3d& direction : directions(1)) {
-            const auto bin = [&](const Lit& one) {
-                return static_cast<std::size_t>(
-                    std::lround(2 * dot(vec_cast<double>(one.cell), direction)) + 8 * kCells);
-            };
             std::vector<double> light(16 * kCells);
-            for (const Lit& one : lit) light[bin(one)] += one.light;
+            double all = 0;
+            each_cell([&](Vec3i cell, double one) {
+                light[Slab::bin(cell, direction)] += one;
+                all += one;
+            });
+            if (all == 0) return {};
             std::size_t low = 0, high = light.size() - 1;
             for (double sum = light[low]; sum <= kLeftOut * all; sum += light[low]) ++low;
             for (double sum = light[high]; sum <= kLeftOut * all; sum += light[high]) --high;
-            for (std::size_t n = 0; n < lit.size(); ++n)
-                if (bin(lit[n]) < low || bin(lit[n]) > high) kept[n] = 0;
+            slabs.push_back({direction, low, high});
         }
-        std::vector<Lit> some;
-        for (std::size_t n = 0; n < lit.size(); ++n)
-            if (kept[n]) some.push_back(lit[n]);
-        return some;
+        return slabs;
     }
 
-    /// Corners of the first and the last cell of each row along z: all that a hull can have.
-    std::vector<Vec3d> ends_of_rows(const std::vector<Lit>& lit) const {
+    /// Corners of the first and the last cell in all slabs of each row along z: all that a hull can have.
+    std::vector<Vec3d> ends_of_rows(const std::vector<Slab>& slabs) const {
         std::vector<Vec3d> points;
         const auto add_corners = [&](Vec3i cell) {
             const Vec3d lower = lower_ + cell_ * vec_cast<double>(cell);
             std::ranges::copy(Subject(Box{lower, lower + Vec3d{cell_, cell_, cell_}}).content.hull,
                               std::back_inserter(points));
         };
-        const auto one_row = [](Vec3i a, Vec3i b) { return a.x == b.x && a.y == b.y; };
-        for (std::size_t n = 0; n < lit.size(); ++n) {
-            const bool first = n == 0 || !one_row(lit[n - 1].cell, lit[n].cell);
-            const bool last = n + 1 == lit.size() || !one_row(lit[n + 1].cell, lit[n].cell);
-            if (first || last) add_corners(lit[n].cell);
-        }
+        std::optional<Vec3i> last;
+        each_cell([&](Vec3i cell, double) {
+            if (!std::ranges::all_of(slabs, [&](const Slab& one) { return one.holds(cell); }))
+                return;
+            if (last && last->x == cell.x && last->y == cell.y) {
+                last = cell;
+                return;
+            }
+            if (last) add_corners(*last);
+            add_corners(cell);
+            last = cell;
+        });
+        if (last) add_corners(*last);
         return points;
     }
 
     Vec3d lower_;
     double cell_ = 0;
     Vec3i count_;
-    std::vector<double> mass_;  // z fastest
+    std::vector<double> mass_;  // z fastest; light after to_light()
 };
 
 /// Whether a lattice fits the box.
