@@ -31,7 +31,9 @@ ScaleFit fit_named(const std::string& scale) {
 Picture plotted(const ShownMaps& self, const py::object& tf, const py::object& range,
                 const std::string& scale, double least_column, const std::string& units,
                 const std::string& title, bool color_bar, const py::object& background) {
-    const TransferFunction map = transfer_function_of(tf);
+    const Show show = show_named(self.show);
+    const TransferFunction map =
+        tf.is_none() ? named_transfer_function(default_map(show)) : transfer_function_of(tf);
     const ShadeOptions options{background_of(background), false};
     const ScaleFit fit = fit_named(scale);
     if (!(least_column >= 0 && least_column <= 1))
@@ -44,10 +46,10 @@ Picture plotted(const ShownMaps& self, const py::object& tf, const py::object& r
                  high};
     }
     return unlocked([&] {
-        const ColoredMap colored = colored_map(self.maps, self.show, fit, fixed, least_column);
+        const ColoredMap colored = colored_map(self.maps, show, fit, fixed, least_column);
         const Image image = shade_map(colored.shown, map, colored.scale, options);
         const std::string unit = !units.empty() ? units : self.show == "column" ? "" : self.unit;
-        const std::string label = quantity_label(self.show, self.name, unit);
+        const std::string label = quantity_label(show, self.name, unit);
         if (!color_bar && title.empty()) return Picture(image);
         return Picture(
             annotated(image, map, colored.scale, {title, label, color_bar}, options.background));
@@ -113,13 +115,13 @@ column, mean and deviation are all three. Notebooks display it with a colour bar
              "Writes the shown map as .npy, or all three as channels column, mean and deviation of "
              "an .exr.")
         .def(
-            "plot", &plotted, py::arg("tf") = kDefaultMap, py::kw_only(),
+            "plot", &plotted, py::arg("tf") = py::none(), py::kw_only(),
             py::arg("range") = py::none(), py::arg("scale") = "auto",
             py::arg("least_column") = kLeastColumn, py::arg("units") = "", py::arg("title") = "",
             py::arg("color_bar") = true, py::arg("background") = "black",
             R"(Picture of the shown map with a colour bar. Returns an Image, wider by the bar and higher by the title.
 
-tf            transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours
+tf            transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours; None: inferno
 range         (low, high) values at its ends; None: of column 0 and the largest, or with scale='log' the four decades
               below it; of fields the 1st and the 99th percentile of the pixels whose column is at least a thousandth
               of the largest

@@ -51,7 +51,9 @@ Picture plotted(const DepthImage& depth, const std::string& quantity, const py::
     const bool column = quantity == "column";
     if (!column && (log.value_or(false) || !range.is_none() || !units.empty()))
         throw Error("plot: log, range and units are of quantity 'column'");
-    const TransferFunction map = transfer_function_of(tf);
+    const Show show = show_named(quantity);
+    const TransferFunction map =
+        tf.is_none() ? named_transfer_function(default_map(show)) : transfer_function_of(tf);
     const ShadeOptions options{background_of(background), false};
     ColorScale scale;
     if (!range.is_none()) {
@@ -67,7 +69,7 @@ Picture plotted(const DepthImage& depth, const std::string& quantity, const py::
                                                          : ScaleFit::linear);
         const Image image =
             column ? shade_values(values, map, scale, options) : shade(depth, map, options);
-        const std::string label = quantity_label(quantity, "", units);
+        const std::string label = quantity_label(show, "", units);
         return Picture(annotated(image, map, scale, {title, label, color_bar}, options.background));
     });
 }
@@ -162,14 +164,14 @@ blend       True: colours fade into the background as V goes to 0
 
 Of particles: number or value per area. Rows from the top; 0 where the ray meets no density.)")
         .def(
-            "plot", &plotted, py::arg("quantity") = "column", py::arg("tf") = kDefaultMap,
+            "plot", &plotted, py::arg("quantity") = "column", py::arg("tf") = py::none(),
             py::kw_only(), py::arg("range") = py::none(), py::arg("log") = py::none(),
             py::arg("units") = "", py::arg("title") = "", py::arg("color_bar") = true,
             py::arg("background") = "black",
             R"(Map of a quantity with a colour bar. Returns an Image, wider by the bar and higher by the title.
 
 quantity    'column': column density over range; 'T': optical depth, coloured by V = 1 - exp(-T) as shade()
-tf          transfer function, as in shade()
+tf          transfer function, as in shade(); None: inferno, of T ember
 range       (low, high) column densities at its ends; None: 0 to the largest, with log the four decades
             below the largest, or fewer
 log         True: logarithmic colours, ticks at decades

@@ -2,6 +2,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <tuple>
 
 #include "arrays.h"
 #include "data.h"
@@ -10,8 +11,6 @@
 #include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
-#include "vog/gpu_pictures.h"
-#include "vog/gpu_volumes.h"
 #include "vog/periodic.h"
 #include "vog/picture.h"
 #include "vog/renderer.h"
@@ -106,89 +105,55 @@ struct MapArguments {
     const py::object& progress;
 };
 
-/// Options of T that pictures of fields on a GPU have not.
-void refuse_options_of_depth(const RenderArguments& a, Renderer renderer) {
-    const auto refuse = [&](const char* option, const char* expected) {
-        throw Error(std::string("render: ") + option + ": is of T, a field by renderer '" +
-                    info_of(renderer).name + "' has " + expected);
-    };
-    if (a.options.samples != 1) refuse("samples", "one ray a pixel");
-    if (a.options.trace.anyhit != AnyHit::accumulate) refuse("anyhit 'collect'", "sums");
-    if (a.options.trace.stop_transmittance > 0) refuse("stop_transmittance", "no end of rays");
-}
-
-ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const RenderArguments& a) {
-    const auto& model = data.cast<const Gaussians&>();
-    if (!map.fields.is_none()) throw Error("render: fields: of voxels, a model has its own");
-    const Renderer renderer = checked_renderer(a, RenderInput::gaussians);
-    const FieldChoice choice = field_choice(map.field, model.fields);
-    const ScalarField* scalar = model.fields.find_scalar(choice.field);
-    const bool on_gpu = renderer == Renderer::cuda || renderer == Renderer::optix;
-    if (on_gpu) refuse_options_of_depth(a, renderer);
-    const auto [width, height] = size_of(map.size);
-    const Progress report = progress_of(map.progress);
-    ShownMaps shown{{},
-                    map.show,
-                    field_label(choice),
-                    scalar ? scalar->unit : model.fields.find_vector(choice.field)->unit};
-    const Camera camera = camera_or_default(map.camera, data, "render", width, height);
-    shown.maps = unlocked([&, width = width, height = height] {
-        const Clipping clip = inside_period(a.options.clip, model);
-        if (renderer == Renderer::trace) {
-            TraceOptions options = a.options.trace;
-            options.progress = report;
-            return render_field_trace(model, choice, camera, width, height, options,
-                                      {a.options.aabb_sigma, a.options.kappa}, clip);
-        }
-        if (on_gpu)
-            return GpuPictures(renderer, model, {a.options.aabb_sigma, a.options.kappa})
-                .fields(choice, camera, width, height, clip);
-        SplatOptions options;
-        options.progress = report;
-        options.aabb_sigma = a.options.aabb_sigma;
-        options.kappa = a.options.kappa;
-        return render_field_splat(model, choice, camera, width, height, options, nullptr, clip);
-    });
-    return shown;
-}
-
-ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
-                         const RenderArguments& a) {
-    const bool one = py::isinstance<Volume>(data);
-    Levels levels;
-    if (one)
-        levels.volumes.push_back(data.cast<const Volume&>());
-    else if (const auto given = levels_of(data))
-        levels = *given;
-    else
+/// Voxels with the field of a map.
+VoxelSource voxels_of_map(const py::object& data, const MapArguments& map) {
+    auto set = std::make_shared<VolumeSet>();
+    if (py::isinstance<Volume>(data)) {
+        set->volumes.push_back(data.cast<const Volume&>());
+    } else if (const auto given = levels_of(data)) {
+        static_cast<Levels&>(*set) = *given;
+        set->overlap = Overlap::hide;
+    } else {
         refuse_data(data, "render", "Gaussians, a Volume, Levels or a list of Volumes for a field");
-    const Renderer renderer = checked_renderer(a, one ? RenderInput::volumes : RenderInput::levels);
-    const auto values =
-        voxel_fields_of(one_field(map.fields, map.field, "render"), levels.volumes,
-                        lattices_of(levels.volumes), levels.volumes.size(), "render");
-    const VoxelField& field = values.front().front();
-    Fields names;
-    if (field.is_vector())
-        names.vector.emplace_back().name = field.name;
+    }
+    auto values = voxel_fields_of(one_field(map.fields, map.field, "render"), set->volumes,
+                                  lattices_of(set->volumes), set->volumes.size(), "render");
+    const VoxelField& first = values.front().front();
+    VoxelSource source;
+    source.fields.push_back({first.name, first.unit, first.is_vector(), {}});
+    source.fields.front().values = std::move(values.front());
+    source.volumes = std::move(set);
+    return source;
+}
+
+ShownMaps maps_of(const py::object& data, const MapArguments& map, const RenderArguments& a) {
+    vog::Scene scene;
+    const bool is_model = py::isinstance<Gaussians>(data);
+    if (is_model && !map.fields.is_none())
+        throw Error("render: fields: of voxels, a model has its own");
+    if (is_model)
+        scene.sources.push_back(ModelSource{data.cast<std::shared_ptr<Gaussians>>(), nullptr});
     else
-        names.scalar.emplace_back().name = field.name;
-    const FieldChoice choice = field_choice(map.field, names);
-    const auto [width, height] = size_of(map.size);
-    const ReferenceOptions options{progress_of(map.progress), a.options.samples, a.options.clip};
-    ShownMaps shown{{}, map.show, field_label(choice), field.unit};
-    const Camera camera = camera_or_default(map.camera, data, "render", width, height);
-    shown.maps = unlocked([&, width = width, height = height] {
-        if (renderer == Renderer::optix)
-            return (one ? GpuVolumes(levels.volumes, values.front())
-                        : GpuVolumes(levels, values.front()))
-                .fields(choice.part, camera, width, height, options);
-        if (one)
-            return render_field_reference(levels.volumes, values.front(), choice.part, camera,
-                                          width, height, options, a.options.voxels);
-        return render_field_reference(levels, values.front(), choice.part, camera, width, height,
-                                      options, a.options.voxels);
-    });
-    return shown;
+        scene.sources.push_back(voxels_of_map(data, map));
+    PictureRequest request;
+    request.show = Show::mean;  // maps have all three
+    request.field = map.field;
+    request.options = a.options;
+    request.renderer =
+        checked_renderer(a, is_model                            ? RenderInput::gaussians
+                            : scene.voxels().volumes->is_mesh() ? RenderInput::levels
+                                                                : RenderInput::volumes);
+    std::tie(request.width, request.height) = size_of(map.size);
+    request.camera = camera_or_default(map.camera, data, "render", request.width, request.height);
+    const Progress report = progress_of(map.progress);
+    const ResolvedPicture picture = resolve(request, scene);
+    Sums sums;
+    unlocked([&] { PictureRenderer(scene).draw(picture, sums, report); });
+    return {{request.width, request.height, std::move(sums.column), std::move(sums.mean),
+             std::move(sums.deviation)},
+            map.show,
+            field_label(picture.field),
+            picture.unit};
 }
 
 /// Maps with the column alone, without a field.
@@ -220,8 +185,7 @@ py::object rendered(const py::object& data, const MapArguments& map, const Rende
     }
     if (py::isinstance<Points>(data))
         throw Error("render: a field of particles, expected a model or voxels: convert() them");
-    return py::cast(py::isinstance<Gaussians>(data) ? maps_of_model(data, map, a)
-                                                    : maps_of_voxels(data, map, a));
+    return py::cast(maps_of(data, map, a));
 }
 
 RenderArguments arguments_of(const std::string& renderer, const py::object& extinction,

@@ -7,12 +7,8 @@
 #include "data.h"
 #include "sampled_fields.h"
 #include "vog/error.h"
-#include "vog/gpu_pictures.h"
-#include "vog/gpu_volumes.h"
 #include "vog/maximum_picture.h"
-#include "vog/periodic.h"
 #include "vog/picture.h"
-#include "vog/renderer.h"
 #include "volume_look.h"
 
 namespace vog::python {
@@ -23,12 +19,8 @@ namespace {
 struct PictureArguments {
     const char* call;  ///< name of the Python function, for errors
     const std::optional<Camera>& camera;
-    int width, height;
-    int slabs, usual_slabs;
-    const std::string& renderer;
-    const VolumeLook& look;
+    int usual_slabs;
     Progress progress;
-    VoxelGridOptions voxels{};
 };
 VoxelGridOptions voxels_by(const std::string& interpolation, double step) {
     if (interpolation != "constant" && interpolation != "linear")
@@ -37,141 +29,96 @@ VoxelGridOptions voxels_by(const std::string& interpolation, double step) {
     return {interpolation == "linear" ? Interpolation::linear : Interpolation::constant, step};
 }
 
-/// A model, or voxels, with the scalar field that is shown.
-struct Shown {
-    const Gaussians* model = nullptr;
-    SampledFields voxels;  ///< of no model: one field
-    std::string field;
-    ValueData data;
-    Renderer renderer = Renderer::splat;
-    Camera camera{};
-
-    const std::vector<VoxelField>& values() const { return voxels.values.front(); }
-};
-
-Shown shown_of_model(const Gaussians& model, const std::string& name,
-                     const PictureArguments& picture) {
-    const ScalarField* field = scalar_to_show(model.fields, name);
-    if (!field)
-        throw Error(std::string(picture.call) + ": " +
-                    (name.empty() ? "no field named" : "no scalar field '" + name + "'") +
-                    ", the model has " + scalar_names(model.fields) +
-                    " (convert(volume, fields=...) makes them)");
-    return {&model, {}, field->name, value_data(model, *field)};
+/// Request of the arguments that volumes and maxima share.
+PictureRequest request_of(Show show, const py::object& size, const std::string& field,
+                          const VolumeLook& look, int slabs) {
+    PictureRequest request;
+    request.show = show;
+    std::tie(request.width, request.height) = size_of(size);
+    request.field = field;
+    request.look = look;
+    request.options.clip = look.clip;
+    request.slabs = slabs;
+    return request;
 }
 
-Shown shown_of_voxels(const py::object& data, const std::string& name, const py::object& fields,
-                      const PictureArguments& picture) {
-    const std::string call = picture.call;
+/// Voxels with the scalar field that is shown.
+VoxelSource shown_voxels(const py::object& data, const std::string& name, const py::object& fields,
+                         const std::string& call) {
     if (name.empty() && !fields.is_none())
         throw Error(call + ": fields: expected field, the shown one");
-    Shown shown;
-    shown.voxels =
-        sampled_fields(data, name.empty() ? fields : one_field(fields, name, call), picture.call);
-    auto& all = shown.voxels.values;
-    all.resize(1);  // behind it the data's own values
-    if (all.front().front().is_vector()) {
-        const std::string& vector = all.front().front().name;
+    SampledFields sampled =
+        sampled_fields(data, name.empty() ? fields : one_field(fields, name, call), call.c_str());
+    std::vector<VoxelField>& values = sampled.values.front();  // behind it the data's own values
+    if (values.front().is_vector()) {
+        const std::string& vector = values.front().name;
         const std::string part = name.size() > vector.size() ? name.substr(vector.size() + 1) : "";
         if (part != "x" && part != "y" && part != "z" && part != "magnitude")
             throw Error(call + ": no scalar field '" + name + "' in fields, expected '" + vector +
                         ".x', .y, .z or .magnitude");
-        for (std::size_t n = 0; n < all.front().size(); ++n)
-            all.front()[n] = component_of(std::move(all.front()[n]), part, shown.voxels.volumes[n]);
-    } else if (!name.empty() && all.front().front().name != name) {
+        for (std::size_t n = 0; n < values.size(); ++n)
+            values[n] = component_of(std::move(values[n]), part, sampled.volumes[n]);
+    } else if (!name.empty() && values.front().name != name) {
         throw Error(call + ": no scalar field '" + name + "' in fields");
     }
-    shown.field = all.front().front().name;
-    shown.data = value_data(shown.voxels.volumes, shown.values(), subject_to_view(data, call).box);
-    return shown;
+    VoxelSource source;
+    auto set = std::make_shared<VolumeSet>();
+    set->volumes = std::move(sampled.volumes);
+    source.volumes = std::move(set);
+    source.fields.push_back({values.front().name, values.front().unit, false, std::move(values)});
+    return source;
 }
 
-/// Data of a picture. throws TypeError for other objects
-Shown shown_of(const py::object& data, const std::string& name, const py::object& fields,
-               const PictureArguments& picture) {
-    const std::string call = picture.call;
+/// Data of a picture, and the request's field, renderer and camera.
+/// throws  TypeError for other objects
+vog::Scene scene_of(const py::object& data, const std::string& renderer, const py::object& fields,
+                    const PictureArguments& a, PictureRequest& request) {
+    const std::string call = a.call;
     const bool is_model = py::isinstance<Gaussians>(data);
     if (!is_model && !py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, call, "Gaussians, a Volume, Levels or a list of Volumes");
     if (is_model && !fields.is_none())
         throw Error(call + ": fields: of voxels, a model has its own");
     const RenderInput input = is_model ? RenderInput::gaussians : RenderInput::volumes;
-    const Renderer renderer = renderer_for(picture.renderer, input);
-    RenderOptions options;
-    options.voxels = picture.voxels;
+    request.renderer = renderer_for(renderer, input);
     try {
-        require_options(renderer, input, changed_options(options), OptionSpelling::arguments);
+        require_options(*request.renderer, input, changed_options(request.options),
+                        OptionSpelling::arguments);
     } catch (const Error& error) {
         throw Error(call + ": " + error.what());
     }
-    if (picture.slabs != picture.usual_slabs && (!is_model || renderer == Renderer::trace))
+    if (*request.slabs != a.usual_slabs && (!is_model || *request.renderer == Renderer::trace))
         throw Error(call + ": slabs is for Gaussians and renderer 'splat', 'cuda' or 'optix'");
-    Shown shown = is_model ? shown_of_model(data.cast<const Gaussians&>(), name, picture)
-                           : shown_of_voxels(data, name, fields, picture);
-    shown.renderer = renderer;
-    shown.camera = camera_or_default(picture.camera, data, call, picture.width, picture.height);
-    return shown;
+    vog::Scene scene;
+    if (is_model) {
+        const auto model = data.cast<std::shared_ptr<Gaussians>>();
+        const ScalarField* field = scalar_to_show(model->fields, request.field);
+        if (!field)
+            throw Error(call + ": " +
+                        (request.field.empty() ? "no field named"
+                                               : "no scalar field '" + request.field + "'") +
+                        ", the model has " + scalar_names(model->fields) +
+                        " (convert(volume, fields=...) makes them)");
+        request.field = field->name;
+        scene.subject.box = view_box(*model);
+        scene.sources.push_back(ModelSource{model, nullptr});
+    } else {
+        VoxelSource source = shown_voxels(data, request.field, fields, call);
+        request.field = source.fields.front().name;
+        scene.subject.box = subject_to_view(data, call).box;
+        scene.sources.push_back(std::move(source));
+    }
+    request.camera = camera_or_default(a.camera, data, call, request.width, request.height);
+    return scene;
 }
 
-/// Clipped to the box of a periodic model.
-VolumeLook look_at(const py::object& data, VolumeLook look) {
-    if (py::isinstance<Gaussians>(data))
-        look.clip = inside_period(look.clip, data.cast<const Gaussians&>());
-    return look;
-}
-
-VolumeImage volume_of(const Shown& shown, const TransferRequest& request,
-                      const PictureArguments& picture) {
-    const ValueTransfer transfer = choose_transfer(request, shown.data).transfer;
-    const Camera& camera = shown.camera;
-    const int width = picture.width, height = picture.height;
-    if (!shown.model) {
-        if (shown.renderer == Renderer::optix)
-            return GpuVolumes(shown.voxels.volumes, shown.values())
-                .volume(transfer, camera, width, height, {}, picture.look);
-        return render_volume_reference(shown.voxels.volumes, shown.values(), transfer, camera,
-                                       width, height, {picture.progress, 1, {}}, picture.look,
-                                       picture.voxels);
-    }
-    if (shown.renderer == Renderer::trace) {
-        TraceOptions options;
-        options.progress = picture.progress;
-        return render_volume_trace(*shown.model, shown.field, transfer, camera, width, height,
-                                   options, {}, picture.look);
-    }
-    if (shown.renderer != Renderer::splat)
-        return GpuPictures(shown.renderer, *shown.model)
-            .volume(shown.field, transfer, camera, width, height, picture.slabs, picture.look);
-    SlabOptions options;
-    options.slabs = picture.slabs;
-    options.look = picture.look;
-    return render_volume_splat(*shown.model, shown.field, transfer, camera, width, height, options);
-}
-
-ValueMap maximum_of(const Shown& shown, const PictureArguments& picture) {
-    const int width = picture.width, height = picture.height;
-    const Camera& camera = shown.camera;
-    if (!shown.model) {
-        const ReferenceOptions options{picture.progress, 1, picture.look.clip};
-        if (shown.renderer == Renderer::optix)
-            return GpuVolumes(shown.voxels.volumes, shown.values())
-                .maximum(camera, width, height, options);
-        return render_maximum_reference(shown.voxels.volumes, shown.values(), camera, width, height,
-                                        options);
-    }
-    if (shown.renderer == Renderer::trace) {
-        TraceOptions options;
-        options.progress = picture.progress;
-        return render_maximum_trace(*shown.model, shown.field, camera, width, height, options, {},
-                                    picture.look.clip);
-    }
-    if (shown.renderer != Renderer::splat)
-        return GpuPictures(shown.renderer, *shown.model)
-            .maximum(shown.field, camera, width, height, picture.slabs, picture.look.clip);
-    SlabOptions options;
-    options.slabs = picture.slabs;
-    options.look = picture.look;
-    return render_maximum_splat(*shown.model, shown.field, camera, width, height, options);
+/// The finished picture.
+vog::Picture drawn(const vog::Scene& scene, const PictureRequest& request,
+                   const Progress& progress) {
+    const ResolvedPicture picture = resolve(request, scene);
+    Sums sums;
+    PictureRenderer(scene).draw(picture, sums, progress);
+    return finish(std::move(sums), picture, scene);
 }
 
 void bind_maximum_picture(py::module_& m) {
@@ -181,15 +128,15 @@ void bind_maximum_picture(py::module_& m) {
            const std::string& field, const py::object& clip, const py::object& clip_planes,
            const std::string& renderer, int slabs, const py::object& fields,
            const py::object& progress) {
-            const auto [width, height] = size_of(size);
-            const VolumeLook look =
-                look_at(data, look_of("render_maximum", py::none(), clip, clip_planes));
-            const PictureArguments picture{"render_maximum", camera, width,
-                                           height,           slabs,  kMaximumSlabs,
-                                           renderer,         look,   progress_of(progress)};
-            const Shown shown = shown_of(data, field, fields, picture);
-            const ValueMap map = unlocked([&] { return maximum_of(shown, picture); });
-            return py::array_t<float>({map.height, map.width}, map.value.data());
+            PictureRequest request =
+                request_of(Show::maximum, size, field,
+                           look_of("render_maximum", py::none(), clip, clip_planes), slabs);
+            const PictureArguments given{"render_maximum", camera, kMaximumSlabs,
+                                         progress_of(progress)};
+            const vog::Scene scene = scene_of(data, renderer, fields, given, request);
+            const vog::Picture picture =
+                unlocked([&] { return drawn(scene, request, given.progress); });
+            return py::array_t<float>({request.height, request.width}, picture.sums.maximum.data());
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
         py::arg("field") = "", py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(),
@@ -227,26 +174,17 @@ void bind_volume_picture(py::module_& m) {
            const py::object& clip_planes, const py::object& background, const std::string& renderer,
            int slabs, const py::object& fields, const std::string& interpolation, double step,
            const py::object& progress) {
-            const auto [width, height] = size_of(size);
-            const VolumeLook look =
-                look_at(data, look_of("render_volume", light, clip, clip_planes));
-            const PictureArguments picture{"render_volume",
-                                           camera,
-                                           width,
-                                           height,
-                                           slabs,
-                                           SlabOptions{}.slabs,
-                                           renderer,
-                                           look,
-                                           progress_of(progress),
-                                           voxels_by(interpolation, step)};
-            const Rgba behind = background_of(background);
-            const TransferRequest request =
-                transfer_request({"render_volume", "value_range", tf, value_range, unit_distance,
-                                  window, bands, log_of(scale)});
-            const Shown shown = shown_of(data, field, fields, picture);
-            return unlocked(
-                [&] { return Picture{over(volume_of(shown, request, picture), behind)}; });
+            PictureRequest request =
+                request_of(Show::volume, size, field,
+                           look_of("render_volume", light, clip, clip_planes), slabs);
+            request.options.voxels = voxels_by(interpolation, step);
+            request.shading.background = background_of(background);
+            request.transfer = transfer_request({"render_volume", "value_range", tf, value_range,
+                                                 unit_distance, window, bands, log_of(scale)});
+            const PictureArguments given{"render_volume", camera, SlabOptions{}.slabs,
+                                         progress_of(progress)};
+            const vog::Scene scene = scene_of(data, renderer, fields, given, request);
+            return unlocked([&] { return Picture{drawn(scene, request, given.progress).image}; });
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
         py::arg("field") = "", py::arg("tf") = kDefaultMap, py::arg("value_range") = py::none(),

@@ -138,13 +138,10 @@ cli::DividedVolumes read_divided_volumes(const std::vector<std::string>& files,
         try {
             VolumesPart part = read_volumes_part(files, options, ranks, kLeafEdge, beside);
             ranks.agree();
-            read = {part.is_mesh(),
-                    std::move(part.sets),
-                    std::move(part.beside),
-                    part.volumes,
-                    subject_of(part.box, part.content),
-                    std::move(part.notes),
-                    nullptr};
+            read = {part.is_mesh(),         std::move(part.sets),
+                    std::move(part.beside), part.volumes,
+                    part.active_voxels,     subject_of(part.box, part.content),
+                    std::move(part.notes),  nullptr};
         } catch (const Error& error) {
             ranks.agree({1, cli::failure_text(error)});
         }

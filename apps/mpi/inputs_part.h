@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fields/divided_volumes.h"
+#include "pictures/divided_volumes.h"
 #include "ranks.h"
 #include "shared/inputs.h"
 

@@ -12,6 +12,7 @@ namespace vog {
 struct ClipPlane {
     Vec3d normal;       ///< any length > 0
     double offset = 0;  ///< in world units times the normal's length
+    friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
 /// Space that a picture shows; the default is all of it.
@@ -20,6 +21,7 @@ struct Clipping {
     std::vector<ClipPlane> planes;
 
     bool empty() const { return !box && planes.empty(); }
+    friend bool operator==(const Clipping&, const Clipping&) = default;
 };
 
 /// throws  vog::Error for a box that is inside out or empty, a normal of length 0, and numbers that are not finite

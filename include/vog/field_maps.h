@@ -105,8 +105,8 @@ void render_field_splat(const Gaussians& gaussians, const FieldChoice& choice, c
                                                const VoxelGridOptions& voxels = {});
 /// The same of parts of levels, which add up: of each level as read_level_parts in vog/distributed.h has it.
 /// fields  [parts][levels of the part]
-[[nodiscard]] FieldMaps render_field_reference(std::span<const Levels> parts,
-                                               std::span<const std::vector<VoxelField>> fields,
+[[nodiscard]] FieldMaps render_field_reference(std::span<const Levels* const> parts,
+                                               std::span<const std::span<const VoxelField>> fields,
                                                FieldPart part, const Camera& camera, int width,
                                                int height, const ReferenceOptions& options = {},
                                                const VoxelGridOptions& voxels = {});

@@ -27,8 +27,12 @@ Box domain_box(std::span<const Volume> volumes);
 /// Appends the images of Gaussians that cross a face, and states the box in model.box and model.options.
 /// throws  vog::Error for a Gaussian wider than the box
 void add_periodic_images(Gaussians& model, const Box& box);
+/// Option of `vog convert` by which a model's header states its box.
+inline constexpr const char* kPeriodicOption = "--periodic ";
 /// Box of a model with images; none: not periodic.
 std::optional<Box> periodic_box(const Gaussians& model);
+/// A model without its images, for programs that do not clip; other models stay as they are.
+Gaussians without_images(Gaussians model);
 /// Mass of the data of a model: without its images, whose centres lie outside the box; of other models that of all Gaussians.
 double mass_without_images(const Gaussians& model);
 /// The part of a clip inside the box of a model with images; the clip itself for other models.

@@ -1,7 +1,11 @@
-// vog/picture.h: Defaults of pictures: view, field, transfer function of values, colour scale and label of a request that leaves
-// them open. Each is one function here, which the command, the window, Python, pages and vog-mpi call.
+// vog/picture.h: A picture: a request that every front end fills, its defaults, and the renderer that draws it.
+//   PictureRequest -> resolve -> PictureRenderer::draw -> Sums -> finish -> Picture
+// Each default (view, field, transfer function of values, colour scale, label) is one function here, which the command, the
+// window, Python, pages and vog-mpi call.
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,9 +14,13 @@
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/error.h"
 #include "vog/field_maps.h"
 #include "vog/gaussians.h"
+#include "vog/progress.h"
 #include "vog/quantity.h"
+#include "vog/renderer.h"
+#include "vog/scene.h"
 #include "vog/value_counts.h"
 #include "vog/value_transfer.h"
 #include "vog/volume.h"
@@ -44,25 +52,42 @@ std::string scalar_names(const Fields& fields);
 /// part  "x", "y", "z" or "magnitude"
 VoxelField component_of(VoxelField field, const std::string& part, const Volume& volume);
 
+/// Quantity of a picture.
+enum class Show {
+    depth,      ///< optical depth T, coloured by V = 1 - exp(-T)
+    column,     ///< integral of the density along the ray
+    mean,       ///< mean of a field along the ray, weighted by density
+    deviation,  ///< standard deviation of a field along the ray, likewise
+    volume,     ///< emission and absorption under a transfer function of a field's values
+    maximum,    ///< largest value of a field on the ray
+};
+/// Words of `vog render --show`, by the enum's order: "T", "column", "mean", "deviation", "volume", "maximum".
+std::span<const char* const> show_words();
+const char* word_of(Show show);
+/// throws  vog::Error listing the words, for another one
+Show show_named(std::string_view word);
+/// Whether a quantity is a map of a field along rays: mean and deviation.
+inline bool is_field_map(Show show) { return show == Show::mean || show == Show::deviation; }
+/// Whether a quantity is of one scalar field at each point: volume and maximum.
+inline bool is_by_value(Show show) { return show == Show::volume || show == Show::maximum; }
+
 /// Name of the number that a quantity shows, with its unit: "column density [g/cm2]", "deviation of temperature [K]".
-/// show   word of `vog render --show`: "T", "column", "mean", "deviation", "volume" or "maximum"
 /// field  name of the shown part of the field (field_label); not used for T and column
 /// unit   empty: none
-std::string quantity_label(std::string_view show, const std::string& field,
-                           const std::string& unit = {});
+std::string quantity_label(Show show, const std::string& field, const std::string& unit = {});
 
 /// A map of values and the scale that colours it.
 struct ColoredMap {
     ValueMap shown;  ///< NaN where nothing is shown
     ColorScale scale;
 };
-/// Map of "column", "mean" or "deviation" and its colour scale. Columns go from 0 to the largest, or over the four decades below it
+/// Map of a column, mean or deviation and its colour scale. Columns go from 0 to the largest, or over the four decades below it
 /// (automatic_scale); fields from the 1st to the 99th percentile where the column is at least a thousandth of the largest
 /// (fitted_scale).
 /// fixed         scale in place of the fitted one
 /// least_column  share of the largest column below which a field shows nothing
 /// throws        vog::Error as fitted_scale does
-ColoredMap colored_map(const FieldMaps& maps, std::string_view show, ScaleFit fit,
+ColoredMap colored_map(const FieldMaps& maps, Show show, ScaleFit fit,
                        const std::optional<ColorScale>& fixed = {},
                        double least_column = kLeastColumn);
 
@@ -124,5 +149,132 @@ struct ChosenTransfer {
 /// throws  vog::Error for a window beside bands, a range beside points at values, a transfer function under which all of the data's
 ///         values are transparent, and as over_range, window_transfer and band_transfer do
 ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& data);
+
+/// Map of a quantity whose user has not chosen one. T and volumes fade out, so that theirs begins with a visible hue; maps of values
+/// begin with a dark one, which makes no edge at the rim of supports.
+const char* default_map(Show show);
+
+/// Marks of a picture for readers of papers.
+struct Marks {
+    bool color_bar =
+        false;  ///< with ticks, at the right; coordinates at the other sides where the view is along axes
+    bool axes = false;       ///< outline of the data's box, with ticks
+    bool scale_bar = false;  ///< a round length
+    std::string title{};     ///< above; empty: none
+
+    bool any() const { return color_bar || axes || scale_bar || !title.empty(); }
+};
+
+/// A picture as a user asks for it. Open members have defaults, which resolve() sets.
+struct PictureRequest {
+    Show show = Show::depth;
+    /// "temperature", "velocity" (along the view), "velocity.x"; empty: of volume and maximum scalar_to_show.
+    std::string field{};
+    /// Colours and, of volumes, opacities. A map without points: default_map.
+    TransferRequest transfer{};
+    ScaleFit fit = ScaleFit::automatic;  ///< fit of an open range; log: scale of a stated one, too
+    double least_column = kLeastColumn;  ///< share of the largest column, for means and deviations
+    std::string unit{};                  ///< unit of the shown numbers; empty: the data's
+    std::optional<double> extinction{};  ///< factor on density in T; nothing: auto_extinction
+    ShadeOptions shading{};              ///< background and blend
+    VolumeLook look{};               ///< light of a volume; its clip is not used: options.clip is
+    std::optional<Camera> camera{};  ///< nothing: default_view
+    int width = 512, height = 512;   ///< pixels
+    std::optional<Renderer> renderer{};  ///< nothing: splat of models, reference of voxels
+    RenderOptions options{};             ///< options of the renderer, and the clip
+    std::optional<int> slabs{};  ///< depth slabs of volume and maximum; nothing: 32, kMaximumSlabs
+    Marks marks{};
+};
+
+/// A request without open members but those that depend on the drawn numbers (extinction, ranges of maps).
+struct ResolvedPicture {
+    PictureRequest request;
+    FieldChoice field{};        ///< for mean, deviation, volume and maximum
+    ChosenTransfer chosen{};    ///< for volume
+    TransferFunction colors{};  ///< for all other quantities
+    std::string name, unit;  ///< name and unit of the shown number: "deviation of temperature", "K"
+    double factor = 1;       ///< from the data's unit to `unit`
+    const Camera& camera() const { return *request.camera; }
+};
+/// A member of a request that does not go with the data or with other members.
+class RequestError : public Error {
+  public:
+    /// member  "unit", "range", "scale", "step"
+    /// text    " K: the data are in g, expected ..."
+    RequestError(const std::string& member, std::string text)
+        : Error(member + text), member_(member), text_(std::move(text)) {}
+    const std::string& member() const { return member_; }
+    const std::string& text() const { return text_; }
+
+  private:
+    std::string member_, text_;
+};
+
+/// Sets every default.
+/// throws  RequestError for a unit that does not convert; vog::Error for a field that the scene lacks, and as choose_transfer does
+ResolvedPicture resolve(PictureRequest request, const Scene& scene);
+/// Values of the scalar field of a volume picture, over all processes.
+ValueData value_data(const Scene& scene, const std::string& field);
+
+/// Numbers per pixel as they are drawn, before colours: planes of [height * width], rows from the top; those that a quantity has not
+/// are empty.
+struct Sums {
+    int width = 0, height = 0;           ///< pixels
+    std::vector<float> column;           ///< T at extinction 1
+    std::vector<float> mean, deviation;  ///< as FieldMaps
+    std::vector<float> maximum;          ///< NaN where nothing is
+    std::vector<Rgba> light;             ///< as VolumeImage
+};
+
+/// Facts on the last picture.
+struct DrawReport {
+    std::optional<CutReport> cut{};       ///< for models with levels of detail
+    std::optional<TraceReport> traced{};  ///< for T by rays
+    std::optional<double> gpu_ms{};  ///< device time, milliseconds; nothing: not drawn by a GPU
+};
+
+/// Renderer of a scene: prepared with the first picture and kept for later ones under other cameras, sizes, clips and transfer
+/// functions. Not for two threads at once; each picture uses all threads.
+class PictureRenderer {
+  public:
+    explicit PictureRenderer(Scene scene);
+    ~PictureRenderer();
+    PictureRenderer(PictureRenderer&&) noexcept;
+    PictureRenderer& operator=(PictureRenderer&&) noexcept;
+
+    const Scene& scene() const;
+    /// sums      receives the picture, its memory is reused; on the root of several processes alone it is complete
+    /// progress  called with the finished fraction; not by all renderers
+    /// throws    vog::Error for options that are not the renderer's, and as the renderer itself does
+    void draw(const ResolvedPicture& picture, Sums& sums, const Progress& progress = {});
+    const DrawReport& report() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// A finished picture, with its numbers and how it was made.
+struct Picture {
+    Image image;            ///< with its marks
+    Sums sums;              ///< in the unit of `made`; column at the extinction
+    ColorScale scale;       ///< scale of the colours
+    double extinction = 1;  ///< factor on density in T
+    ResolvedPicture made;
+
+    /// [height * width] the shown numbers, T at the extinction; of volumes the opacity.
+    std::span<const float> values() const;
+    /// T at the extinction, or the column; of other quantities the column of their field, which may be empty.
+    DepthImage depth() const;
+};
+/// Colours and marks of drawn numbers.
+/// throws  vog::Error for numbers beyond the range of floats, and as the scales and transfer functions do
+Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene);
+/// One picture: resolve, draw and finish.
+[[nodiscard]] Picture render(const Scene& scene, const PictureRequest& request = {});
+/// Writes the numbers of a picture: .npy, or .exr with a channel Y (T, column), "maximum", or all three of column, mean and
+/// deviation.
+/// throws  vog::Error as write_values does, and for volumes, which have none
+void write_numbers(const std::filesystem::path& file, const Picture& picture);
 
 }  // namespace vog

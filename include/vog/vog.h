@@ -19,7 +19,9 @@
 //            convert_paper.h    voxels to Gaussians by the paper's strategies
 //            convert_points.h   particles to Gaussians
 //            lod.h              levels of detail: hierarchies, cuts by view, coarser models
-//   render   splat.h            T of Gaussians on the CPU, the default
+//   render   picture.h          a picture: request, defaults, renderer, numbers and colours
+//            scene.h            what there is to draw: models or voxels with their fields
+//            splat.h            T of Gaussians on the CPU, the default
 //            trace.h            T of Gaussians on the CPU by ray tracing
 //            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
 //            gpu_pictures.h     fields, values and clips of Gaussians on the GPU
@@ -28,7 +30,6 @@
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
 //            maximum_picture.h  maximum intensity projections
-//            picture.h          defaults of pictures: view, field, transfer function, scale, label
 //            volume_picture.h   emission and absorption by value
 //            clip.h             boxes and planes that cut pictures
 //   shade    shade.h            T to colours by a transfer function
@@ -84,6 +85,7 @@
 #include "vog/reference.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"
+#include "vog/scene.h"
 #include "vog/shade.h"
 #include "vog/site.h"
 #include "vog/splat.h"

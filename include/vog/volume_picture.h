@@ -33,6 +33,7 @@ struct VolumeLook {
     Vec3d towards_light{};  ///< world, any length > 0; 0 0 0: the eye
     double ambient = 0.3, diffuse = 0.7, specular = 0.2, power = 20;  ///< weights >= 0; power > 0
     Clipping clip{};  ///< space that is shown; exact on every ray
+    friend bool operator==(const VolumeLook&, const VolumeLook&) = default;
 };
 /// throws  vog::Error for an invalid clip, weights that are negative or not finite, a power that is not > 0
 void validate(const VolumeLook& look);

@@ -145,7 +145,7 @@ class DepthImage:
     def plot(
         self,
         quantity: str = ...,
-        tf: _Map = ...,
+        tf: Optional[_Map] = ...,
         *,
         range: Union[tuple[float, float], None] = ...,
         log: bool = ...,
@@ -463,7 +463,7 @@ class FieldMaps:
     def save(self, file: _Path) -> None: ...
     def plot(
         self,
-        tf: _Map = ...,
+        tf: Optional[_Map] = ...,
         *,
         range: Union[tuple[float, float], None] = ...,
         scale: str = ...,

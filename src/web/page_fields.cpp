@@ -23,7 +23,7 @@ constexpr std::size_t kBins = 96;
 constexpr int kViewSize = 256;
 
 /// Range of a map in the first view, as `vog render` chooses it; a number that is no range: null.
-Json range_of(const FieldMaps& maps, const char* show, const std::vector<float>& shown) {
+Json range_of(const FieldMaps& maps, Show show, const std::vector<float>& shown) {
     if (std::ranges::all_of(shown, [](float value) { return std::isnan(value); })) return nullptr;
     const ColorScale scale = colored_map(maps, show, ScaleFit::linear).scale;
     return {scale.low, scale.high};
@@ -31,8 +31,8 @@ Json range_of(const FieldMaps& maps, const char* show, const std::vector<float>&
 
 Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& view) {
     const FieldMaps maps = render_field_splat(model, choice, view, kViewSize, kViewSize);
-    return {{"mean", range_of(maps, "mean", maps.mean)},
-            {"deviation", range_of(maps, "deviation", maps.deviation)}};
+    return {{"mean", range_of(maps, Show::mean, maps.mean)},
+            {"deviation", range_of(maps, Show::deviation, maps.deviation)}};
 }
 
 /// Range of the maximum in the first view, likewise.

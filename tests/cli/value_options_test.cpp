@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "options/option_effects.h"
-#include "shared/drawing.h"
+#include "pictures/drawing_options.h"
 
 namespace vog::cli {
 namespace {

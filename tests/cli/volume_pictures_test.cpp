@@ -108,7 +108,7 @@ TEST_F(volume_pictures_command, read_transfer_functions_of_values) {
     EXPECT_NEAR(middle("tf.exr").g, 0.9999, 1e-6);
     EXPECT_NE(made["notes"].dump().find("opacity 1 counts as 0.9999"), std::string::npos);
     must_fail(2, "render ramp.vdb -o tf.png --show volume --tf tf.json --range 1,2",
-              "--range: tf.json states values of its own");
+              "--range: tf states values of its own");
 }
 
 TEST_F(volume_pictures_command, show_models_as_their_voxels_and_clip_them) {
@@ -165,7 +165,7 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
             "ramp.vdb: the band from 9 to 10 is outside the data's values, 1 to 8");
     refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
     refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
-    refused(2, "--interpolation linear --step 0", "--step 0: a picture by value has samples");
+    refused(2, "--interpolation linear --step 0", "--step 0: volume rendering takes samples");
     refused(2, "--log --window 3,1", "--log and --window exclude each other");
     must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window has no effect with --show T");
     must_fail(2, "render ramp.vdb -o p.png --show maximum --light head",

@@ -1,4 +1,4 @@
-// consumer.cpp: the README's ten lines, as a stranger would write them.
+// consumer.cpp: the README's lines, as a stranger would write them.
 #include <vog/vog.h>
 
 #include <cstdio>
@@ -8,10 +8,8 @@ int main() {
     const vog::Gaussians model = vog::convert_moments(volume, {.block_voxels = 4});
     vog::write_ply("cloud.ply", model);
 
-    vog::DepthImage depth = vog::render_splat(model, vog::paper_view(model.box), 256, 256);
-    vog::set_extinction(depth, vog::auto_extinction(depth));
-    const vog::Image image = vog::shade(depth, vog::named_transfer_function("blue-white"));
-    vog::write_png("cloud.png", image);
-    std::printf("%zu Gaussians, extinction %g\n", model.size(), depth.extinction);
-    return model.size() > 0 && depth.extinction > 0 ? 0 : 1;
+    const vog::Picture picture = vog::render(vog::scene_of(model), {.width = 256, .height = 256});
+    vog::write_png("cloud.png", picture.image);
+    std::printf("%zu Gaussians, extinction %g\n", model.size(), picture.extinction);
+    return model.size() > 0 && picture.extinction > 0 ? 0 : 1;
 }

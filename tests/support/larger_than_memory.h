@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -49,6 +50,8 @@ class LargerThanMemory : public CommandLine {
         const auto free = peak_of(command + " free" + ending);
         const auto bound =
             peak_of(command + " bound" + ending + " --scratch . --memory " + limit + "M");
+        std::cout << command << ": peaks of " << (free >> 20) << " MB without a limit and "
+                  << (bound >> 20) << " MB with " << megabytes << "\n";
         EXPECT_GT(free, megabytes << 20) << command;
         EXPECT_LT(bound, megabytes << 20) << command;
         EXPECT_EQ(read_text(dir_ / ("bound" + ending)), read_text(dir_ / ("free" + ending)))

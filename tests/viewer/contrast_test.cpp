@@ -178,7 +178,7 @@ TEST_F(window_contrast, texts_of_every_quantity_are_legible) {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     for (const bool light : {false, true}) {
-        for (const Show show : {Show::visibility, Show::column, Show::mean, Show::deviation,
+        for (const Show show : {Show::depth, Show::column, Show::mean, Show::deviation,
                                 Show::volume, Show::maximum}) {
             session.set_quantity(show);
             expect_legible(session, light, word_of(show));

@@ -31,7 +31,7 @@ class gpu_upload : public headless {
 
     /// Updates a picture until it is complete.
     /// returns  its errors, a line each
-    static std::string complete(Picture& picture, const PictureKey& key, int subframes,
+    static std::string complete(ProgressivePicture& picture, const PictureKey& key, int subframes,
                                 GlRenderers& gl) {
         std::string errors;
         while (true) {
@@ -67,7 +67,7 @@ class gpu_upload : public headless {
 // One picture and one buffer of OpenGL, through changes of renderer, quantity, size and rays a pixel.
 TEST_F(gpu_upload, shared_pictures_are_the_copied_ones_bit_for_bit) {
     GlRenderers sharing, copying;
-    Picture shared, copied;
+    ProgressivePicture shared, copied;
     share_gl(false, true);
     ASSERT_FALSE(copying.gpu.stays_on_gpu());
     share_gl(true, true);
@@ -104,7 +104,7 @@ TEST_F(gpu_upload, shared_pictures_are_the_copied_ones_bit_for_bit) {
 TEST_F(gpu_upload, a_moving_camera_shows_each_picture_whole) {
     // Requests follow one another while the picture before is being uploaded: each has memory of its own.
     GlRenderers sharing;
-    Picture shared;
+    ProgressivePicture shared;
     key_.renderer = WindowRenderer::cuda;
     for (int n = 0; n < 30; ++n) {
         key_.camera = orbited(key_.camera, 0.1, 0.02);
@@ -114,14 +114,14 @@ TEST_F(gpu_upload, a_moving_camera_shows_each_picture_whole) {
     EXPECT_EQ(complete(shared, key_, 1, sharing), "");
     share_gl(false, true);
     GlRenderers copying;
-    Picture copied;
+    ProgressivePicture copied;
     EXPECT_EQ(complete(copied, key_, 1, copying), "");
     EXPECT_EQ(shared.read().value, copied.read().value);
 }
 
 TEST_F(gpu_upload, a_buffer_that_cannot_be_shared_is_reported_once_and_pictures_are_copied) {
     GlRenderers gl;
-    Picture picture, other;
+    ProgressivePicture picture, other;
     ASSERT_TRUE(gl.gpu.stays_on_gpu());
     share_gl(true, false);
     key_.renderer = WindowRenderer::cuda;

@@ -422,9 +422,9 @@ TEST_F(view_command, copied_flags_are_options_of_render) {
     look.shading.blend = true;
     write_value_transfer(dir_ / "LOOK.json",
                          over_range(named_transfer_function("hot"), 0.1, 0.9, 5));
-    for (const viewer::Show show :
-         {viewer::Show::visibility, viewer::Show::column, viewer::Show::mean,
-          viewer::Show::deviation, viewer::Show::volume, viewer::Show::maximum}) {
+    for (const Show show :
+         {Show::depth, Show::column, Show::mean, Show::deviation,
+          Show::volume, Show::maximum}) {
         viewer::Quantity quantity;
         quantity.show = show;
         quantity.field.field = "density";
@@ -432,11 +432,11 @@ TEST_F(view_command, copied_flags_are_options_of_render) {
         quantity.look.towards_light = {-1, 2, 0};
         quantity.look.clip.box = Box{{-9, -9, -9}, {9, 9, 9}};
         quantity.look.clip.planes.push_back({{-1, 0, 0}, -4});
-        const bool volume = show == viewer::Show::volume;
-        must("render cloud.ply -o copied.png --size 32 " +
-             viewer::quantity_flags(quantity, {ColorScale::Kind::linear, -0.5, 2}) + " " +
-             viewer::look_flags(look, volume ? "LOOK.json" : look.map,
-                                show == viewer::Show::visibility));
+        const bool volume = show == Show::volume;
+        must(
+            "render cloud.ply -o copied.png --size 32 " +
+            viewer::quantity_flags(quantity, {ColorScale::Kind::linear, -0.5, 2}) + " " +
+            viewer::look_flags(look, volume ? "LOOK.json" : look.map, show == Show::depth));
     }
 }
 
@@ -540,7 +540,7 @@ TEST_F(view_command, bad_scripts_are_refused_by_line) {
     refuses("picture cloud.ply\n", "expected a name in .png");
     refuses("wait now please\n", "play.vog:1: 'wait now please'");
     refuses("renderer raster\n", "play.vog:1: no renderer 'raster'");
-    refuses("show colour\n", "play.vog:1: no quantity 'colour'");
+    refuses("show colour\n", "play.vog:1: show 'colour', expected 'T'");
     refuses("wait\nshow mean heat\n", "play.vog:2: ");
     refuses("values 2 1\n", "play.vog:1: ");
     refuses("clip 0 0 0 1\n", "play.vog:1: ");

@@ -163,11 +163,12 @@ Json write_joined(const ExportArguments& arguments, const CLI::App& command,
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     const Vec3d up = up_of(arguments.page.view, vog::subject_of(model.box, model.content));
     if (is_splat_output(arguments.output, arguments.splats))
-        return write_exchange(arguments.output, std::move(model), arguments.splats,
-                              {fixed_extinction(arguments.page.color), arguments.page.color.tf,
-                               arguments.page.quantity.quantity.field,
-                               command.count("--tf") + command.count("--field") > 0, up},
-                              stages, arguments.json);
+        return write_exchange(
+            arguments.output, std::move(model), arguments.splats,
+            {fixed_extinction(arguments.page.color), map_of(arguments.page.color, Show::depth),
+             arguments.page.quantity.quantity.field,
+             command.count("--tf") + command.count("--field") > 0, up},
+            stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz") {
         CompactArguments compact = arguments.compact;
         compact.values = arguments.volume.values;

@@ -14,8 +14,8 @@
 #include "films/film.h"
 #include "films/views.h"
 #include "options/option_effects.h"
+#include "pictures/render_run.h"
 #include "shared/outputs.h"
-#include "shared/render_run.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "vog/error.h"
@@ -72,13 +72,13 @@ SharedScales share_first(const std::optional<RenderedPicture>& first, const Rend
     std::array<double, 5> figures;
     figures.fill(-std::numeric_limits<double>::infinity());
     if (first) {
-        const SharedScales own = scales_of(*first);
+        const SharedScales& own = first->scales;
         figures = {own.extinction, own.low, own.high, own.unit_distance, own.log};
     }
     ranks.collective.max(figures);
     const auto [extinction, low, high, unit_distance, log] = figures;
     const SharedScales all{extinction, low, high, unit_distance, log};
-    share(all, later);
+    later.shared = all;
     return all;
 }
 

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "fields/volume_fields.h"
 #include "films/film.h"
+#include "models/page_quantity.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "options/option_effects.h"
@@ -15,7 +16,6 @@
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
-#include "values/page_quantity.h"
 #include "vog/error.h"
 #include "vog/shade.h"
 #include "vog/site.h"
@@ -51,25 +51,23 @@ std::string field_grid(const WindowArguments& arguments) {
 }
 
 /// The first quantity, and the transfer functions of fields as they are shown.
-void set_quantity(viewer::ViewerOptions& options, const WindowArguments& arguments,
-                  const CLI::App& command) {
+void set_quantity(viewer::ViewerOptions& options, const WindowArguments& arguments) {
     const HtmlQuantity stated = stated_quantity(arguments.quantity);
-    options.quantity.show = viewer::show_from(stated.show);
+    options.quantity.show = show_named(stated.show);
     options.quantity.look = stated.look;
     options.quantity.slabs = stated.slabs;
     options.quantity.maximum_slabs = stated.maximum_slabs;
     options.field = stated.field;
     options.color_scale = stated.scale;
     options.logarithmic = stated.log;
-    const std::string input = arguments.inputs.empty() ? "" : arguments.inputs.front();
-    options.choose_transfer = [&arguments, &command, input](const Gaussians& model,
-                                                            const std::string& name, bool first) {
+    options.choose_transfer = [&arguments](const Gaussians& model, const std::string& name,
+                                           bool first) {
         // Ranges and bands are of the first field; others begin with the map over their own range.
         PageQuantityArguments given = arguments.quantity;
         if (!first) given.quantity.range.clear(), given.value = {};
         std::vector<std::string> notes;
-        return stated_transfer(given, arguments.color, command, model,
-                               *model.fields.find_scalar(name), input, notes);
+        return stated_transfer(given, arguments.color, model, *model.fields.find_scalar(name),
+                               notes);
     };
 }
 
@@ -169,9 +167,10 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
         return camera;
     };
     options.extinction = fixed_extinction(arguments.color).value_or(options.extinction);
-    viewer::load_map(options.look, arguments.color.tf);
+    viewer::load_map(options.look,
+                     map_of(arguments.color, show_named(arguments.quantity.quantity.show)));
     options.look.shading = shading_of(arguments.color);
-    set_quantity(options, arguments, command);
+    set_quantity(options, arguments);
     options.read = [&](const std::vector<std::string>& files) {
         return read_content(files, arguments);
     };

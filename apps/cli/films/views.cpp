@@ -131,23 +131,9 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
     return outputs;
 }
 
-SharedScales scales_of(const RenderedPicture& picture) {
-    const ColorScale scale = picture.scale.value_or(ColorScale{});
-    return {picture.extinction, scale.low, scale.high, picture.unit_distance.value_or(0),
-            scale.kind == ColorScale::Kind::log ? 1.0 : 0.0};
-}
-
-void share(const SharedScales& scales, RenderArguments& later) {
-    later.color.extinction = fmt::format("{:.17g}", scales.extinction);
-    later.later_frame = true;
-    if (later.quantity.volume()) later.value.unit_distance = scales.unit_distance;
-    if (!later.quantity.scaled() || !later.quantity.range.empty()) return;
-    later.quantity.range = fmt::format("{:.17g},{:.17g}", scales.low, scales.high);
-    later.quantity.log = scales.log > 0;
-}
-
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
-                                          const Subject& subject, Size size, const DrawView& draw) {
+                                          const Subject& subject, const DrawView& draw) {
+    const Size size = parse_size(arguments.size);
     const double aspect = double(size.width) / size.height;
     const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
     Camera first = camera_from(arguments.view, command, shown, aspect);
@@ -181,7 +167,7 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
         std::optional<RenderedPicture> picture = draw(one, cameras[n]);
         one.view.save_camera.clear();
         if (!picture) continue;
-        if (n == 0 && cameras.size() > 1) share(scales_of(*picture), one);
+        if (n == 0 && cameras.size() > 1) one.shared = picture->scales;
         pictures.push_back(std::move(*picture));
     }
     return pictures;

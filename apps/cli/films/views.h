@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/render_run.h"
+#include "pictures/render_run.h"
 
 namespace vog::cli {
 
@@ -18,15 +18,6 @@ bool is_numbered(const std::string& output);
 std::vector<std::string> numbered_outputs(const std::string& output, int count,
                                           const std::string& extension);
 
-/// Scales of a first picture, for later ones under the same.
-struct SharedScales {
-    double extinction = 1, low = 0, high = 0, unit_distance = 0;
-    double log = 0;  ///< 1: the range is logarithmic
-};
-SharedScales scales_of(const RenderedPicture& picture);
-/// Sets the scales as options of later pictures, where no option has.
-void share(const SharedScales& scales, RenderArguments& later);
-
 /// Draws one picture with the files of its arguments.
 /// returns  its figures; none on ranks other than the root
 using DrawView =
@@ -37,7 +28,7 @@ using DrawView =
 /// subject  of the inputs
 /// returns  figures of each picture; none on ranks other than the root
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
-                                          const Subject& subject, Size size, const DrawView& draw);
+                                          const Subject& subject, const DrawView& draw);
 
 /// Writes a picture to the output, or hands it over.
 void save_picture(const RenderArguments& arguments, const Image& picture);

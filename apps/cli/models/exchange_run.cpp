@@ -12,6 +12,7 @@
 #include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
+#include "vog/periodic.h"
 #include "vog/picture.h"
 #include "vog/shade.h"
 #include "vog/text.h"
@@ -95,6 +96,7 @@ bool is_splat_output(const std::string& output, const SplatArguments& arguments)
 
 Json write_exchange(const std::string& output, Gaussians model, const SplatArguments& arguments,
                     const SplatLook& look, Stages& stages, bool json) {
+    model = without_images(std::move(model));
     const bool ply = extension_of(output) == ".ply";
     const double extinction = look.extinction ? *look.extinction : default_extinction(model);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};

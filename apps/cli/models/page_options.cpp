@@ -53,10 +53,11 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     options.description = arguments.description;
     options.precise = arguments.precise;
     // A file of values is of volume; the other quantities then have the default colours.
-    const bool by_value = arguments.quantity.quantity.volume() &&
-                          !std::ranges::count(transfer_function_names(), arguments.color.tf);
-    options.tf = by_value ? named_transfer_function(kDefaultMap)
-                          : load_transfer_function(arguments.color.tf);
+    const Show show = show_named(arguments.quantity.quantity.show);
+    const std::string map = map_of(arguments.color, show);
+    const bool by_value =
+        show == Show::volume && !std::ranges::count(transfer_function_names(), map);
+    options.tf = load_transfer_function(by_value ? default_map(show) : map);
     options.extinction = fixed_extinction(arguments.color);
     ColorArguments color = arguments.color;
     options.system_background = color.background == "system";
@@ -75,8 +76,8 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
         return options;
     }
     std::vector<std::string> found;
-    options.quantity = page_quantity(arguments.quantity, arguments.color, command,
-                                     first.levels.front(), input, found);
+    options.quantity =
+        page_quantity(arguments.quantity, color, first.levels.front(), input, found);
     print_notes(found);
     notes.insert(notes.end(), found.begin(), found.end());
     return options;
@@ -84,7 +85,8 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
 
 void check_page_options(const PageArguments& arguments, const CLI::App& command) {
     stated_quantity(arguments.quantity);
-    if (!arguments.quantity.quantity.volume()) load_transfer_function(arguments.color.tf);
+    const Show show = show_named(arguments.quantity.quantity.show);
+    if (show != Show::volume) load_transfer_function(map_of(arguments.color, show));
     fixed_extinction(arguments.color);
     if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
 }

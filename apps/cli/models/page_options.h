@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "models/page_quantity.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
-#include "values/page_quantity.h"
 #include "vog/export_html.h"
 
 namespace vog::cli {

@@ -1,6 +1,8 @@
 // color_options.cpp: help and evaluation of the colour options.
 #include "options/color_options.h"
 
+#include <fmt/core.h>
+
 #include "shared/inputs.h"
 #include "shared/validators.h"
 
@@ -18,12 +20,11 @@ void add_color_options(CLI::App& command, ColorArguments& arguments, const std::
     std::string names;
     for (const std::string& name : transfer_function_names())
         names += (names.empty() ? "" : ", ") + name;
-    command
-        .add_option("--tf", arguments.tf,
-                    "Transfer function from V = 1 - exp(-T) to colour: a JSON file (of vog or "
-                    "ParaView) or one of " +
-                        names)
-        ->capture_default_str();
+    command.add_option(
+        "--tf", arguments.tf,
+        fmt::format("Transfer function from V = 1 - exp(-T) to colour: a JSON file (of "
+                    "vog or ParaView) or one of {}. Default: {}, of maps {}",
+                    names, default_map(Show::depth), default_map(Show::column)));
     command
         .add_option("--background", arguments.background,
                     "Background colour: R,G,B in [0, 1], black, white or transparent" + backgrounds)
@@ -32,6 +33,10 @@ void add_color_options(CLI::App& command, ColorArguments& arguments, const std::
         "--blend", arguments.blend,
         "Blend colours with the background by V, as the paper does: they fade out as V goes "
         "to 0");
+}
+
+std::string map_of(const ColorArguments& arguments, Show show) {
+    return arguments.tf.empty() ? default_map(show) : arguments.tf;
 }
 
 std::optional<double> fixed_extinction(const ColorArguments& arguments) {

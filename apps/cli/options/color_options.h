@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
-#include "vog/shade.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
 struct ColorArguments {
-    std::string extinction = "auto", tf = kDefaultMap, background = "black";
+    std::string extinction = "auto", tf, background = "black";
     bool blend = false;
 };
 
@@ -19,6 +19,8 @@ struct ColorArguments {
 void add_color_options(CLI::App& command, ColorArguments& arguments,
                        const std::string& group = "Colour", const std::string& backgrounds = "");
 
+/// --tf, or the default map of a quantity.
+std::string map_of(const ColorArguments& arguments, Show show);
 /// The number of --extinction; none for auto. throws CLI::ValidationError for other texts
 std::optional<double> fixed_extinction(const ColorArguments& arguments);
 /// Shading by --background and --blend. throws CLI::ValidationError for an unknown background

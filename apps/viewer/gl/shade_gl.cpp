@@ -80,13 +80,13 @@ void GlShade::draw(const GlDepth& a, const GlDepth& b, const ShadeView& view,
         program_.set(sampler, unit);
         program_.set(size, static_cast<float>(depth.target->width()),
                      static_cast<float>(depth.target->height()));
-        const double extinction = view.show == Show::visibility ? look_.extinction : 1;
+        const double extinction = view.show == Show::depth ? look_.extinction : 1;
         program_.set(factor, static_cast<float>(extinction / depth.subframes));
     };
     image(0, a, "depth_a", "size_a", "factor_a");
     image(1, b, "depth_b", "size_b", "factor_b");
     glActiveTexture(GL_TEXTURE2);
-    glBindTexture(GL_TEXTURE_2D, view.show == Show::visibility ? transfer_ : map_);
+    glBindTexture(GL_TEXTURE_2D, view.show == Show::depth ? transfer_ : map_);
     glActiveTexture(GL_TEXTURE0);
     program_.set("quantity", static_cast<int>(view.show));
     program_.set("scale_ends", static_cast<float>(view.scale.low),

@@ -19,7 +19,7 @@ struct Viewport {
 };
 
 struct ShadeView {
-    Show show = Show::visibility;
+    Show show = Show::depth;
     ColorScale scale{ColorScale::Kind::linear, 0, 1};  ///< of column, mean and deviation
     FieldUnit unit{};                                  ///< of the field in the sums
     float least_column = 0;                            ///< maps of a field show nothing below

@@ -105,7 +105,7 @@ std::optional<OpaqueValue> first_opaque_value(const Gaussians& gaussians, const 
 std::string probe_text(const Quantity& quantity, const Fields& fields, std::span<const float> sums,
                        float most, double extinction) {
     const double column = double{sums[0]};
-    if (quantity.show == Show::visibility)
+    if (quantity.show == Show::depth)
         return fmt::format("T {:.4g}, V {:.4g}", column * extinction,
                            -std::expm1(-column * extinction));
     if (quantity.show == Show::column) return fmt::format("column density {:.4g}", column);
@@ -159,7 +159,7 @@ std::string quantity_flags(const Quantity& quantity, const ColorScale& scale) {
         flags += fmt::format(" --light-weights {:.6g},{:.6g},{:.6g},{:.6g}", look.ambient,
                              look.diffuse, look.specular, look.power);
     }
-    if (of_scalars(quantity.show))
+    if (is_by_value(quantity.show))
         flags += fmt::format(
             " --slabs {}", quantity.show == Show::volume ? quantity.slabs : quantity.maximum_slabs);
     return flags;

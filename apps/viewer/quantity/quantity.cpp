@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "vog/error.h"
@@ -17,45 +16,13 @@ namespace vog::viewer {
 
 namespace {
 
-struct Named {
-    Show show;
-    const char *word, *name;
-};
-constexpr Named kShows[] = {
-    {Show::visibility, "T", "visibility"},
-    {Show::column, "column", "column density"},
-    {Show::mean, "mean", "mean on rays"},
-    {Show::deviation, "deviation", "deviation on rays"},
-    {Show::volume, "volume", "volume, by value"},
-    {Show::maximum, "maximum", "maximum on rays"},
-};
-const Named& named(Show show) { return kShows[static_cast<std::size_t>(show)]; }
-
-auto tie(const VolumeLook& look) {
-    return std::tie(look.light, look.towards_light, look.ambient, look.diffuse, look.specular,
-                    look.power);
-}
-bool same_clip(const Clipping& a, const Clipping& b) {
-    const auto same_plane = [](const ClipPlane& p, const ClipPlane& q) {
-        return p.normal == q.normal && p.offset == q.offset;
-    };
-    return a.box == b.box && std::ranges::equal(a.planes, b.planes, same_plane);
-}
+constexpr const char* kNames[] = {"visibility",        "column density",   "mean on rays",
+                                  "deviation on rays", "volume, by value", "maximum on rays"};
 
 }  // namespace
 
-const char* word_of(Show show) { return named(show).word; }
-const char* name_of(Show show) { return named(show).name; }
+const char* name_of(Show show) { return kNames[static_cast<std::size_t>(show)]; }
 bool of_field(Show show) { return show >= Show::mean; }
-
-Show show_from(const std::string& word) {
-    std::string words;
-    for (const Named& each : kShows) {
-        if (word == each.word) return each.show;
-        words += (words.empty() ? "" : ", ") + std::string(each.word);
-    }
-    throw Error(fmt::format("no quantity '{}' (there are: {})", word, words));
-}
 
 Show shaded_as(const Quantity& quantity) {
     if (quantity.show == Show::maximum) return Show::mean;
@@ -67,7 +34,7 @@ Show shaded_as(const Quantity& quantity) {
 std::vector<FieldChoice> field_choices(const Fields& fields, Show show) {
     std::vector<FieldChoice> all;
     for (const ScalarField& field : fields.scalar) all.push_back({field.name, FieldPart::value});
-    if (of_scalars(show)) return all;
+    if (is_by_value(show)) return all;
     for (const VectorField& field : fields.vector) {
         for (const FieldPart part : {FieldPart::view, FieldPart::x, FieldPart::y, FieldPart::z})
             all.push_back({field.name, part});
@@ -80,9 +47,9 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
     const std::vector<FieldChoice> all = field_choices(fields, show);
     if (all.empty())
         throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
-                                of_scalars(show) ? "scalar " : ""));
+                                is_by_value(show) ? "scalar " : ""));
     if (text.empty()) {
-        if (of_scalars(show)) return {scalar_to_begin_with(fields)->name, FieldPart::value};
+        if (is_by_value(show)) return {scalar_to_begin_with(fields)->name, FieldPart::value};
         return all.front();
     }
     const FieldChoice choice = field_choice(text, fields);
@@ -92,7 +59,7 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
     if (std::ranges::none_of(all, same))
         throw Error(
             fmt::format("{} is not of {}, expected {}", name_of(show), field_label(choice),
-                        of_scalars(show) ? "a scalar field" : "a scalar field or one component"));
+                        is_by_value(show) ? "a scalar field" : "a scalar field or one component"));
     return choice;
 }
 
@@ -102,11 +69,11 @@ std::string text_of(const FieldChoice& choice) {
 }
 
 std::string label_of(const Quantity& quantity, const Fields& fields) {
-    if (quantity.show == Show::visibility) return "V = 1 - exp(-T)";
+    if (quantity.show == Show::depth) return "V = 1 - exp(-T)";
     const ScalarField* scalar = fields.find_scalar(quantity.field.field);
     const VectorField* vector = fields.find_vector(quantity.field.field);
     const std::string unit = scalar ? scalar->unit : vector ? vector->unit : "";
-    return quantity_label(word_of(quantity.show), field_label(quantity.field),
+    return quantity_label(quantity.show, field_label(quantity.field),
                           quantity.show == Show::column ? "" : unit);
 }
 
@@ -135,12 +102,12 @@ SumImage shrunk(SumImage image, int factor) {
 }
 
 bool operator==(const Drawn& a, const Drawn& b) {
-    if (a.kind != b.kind || !same_clip(a.look.clip, b.look.clip)) return false;
+    if (a.kind != b.kind || !(a.look.clip == b.look.clip)) return false;
     if (a.kind == Drawn::Kind::depth) return true;
     if (a.field.field != b.field.field || a.field.part != b.field.part) return false;
     if (a.kind == Drawn::Kind::maximum) return a.slabs == b.slabs;
     return a.kind == Drawn::Kind::field ||
-           (tie(a.look) == tie(b.look) && a.slabs == b.slabs && a.transfer == b.transfer);
+           (a.look == b.look && a.slabs == b.slabs && a.transfer == b.transfer);
 }
 
 Drawn drawn_for(const Quantity& quantity, std::shared_ptr<const ValueTransfer> transfer) {

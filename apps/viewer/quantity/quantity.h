@@ -10,30 +10,24 @@
 
 #include "vog/field_maps.h"
 #include "vog/maximum_picture.h"
+#include "vog/picture.h"
 #include "vog/quantity.h"
 #include "vog/volume_picture.h"
 
 namespace vog::viewer {
 
-/// Quantities; the first five in the order of shade.frag's numbers (shaded_as).
-enum class Show { visibility, column, mean, deviation, volume, maximum };
-/// Words of `vog render --show`: "T", "column", "mean", "deviation", "volume", "maximum".
-const char* word_of(Show show);
-/// throws vog::Error for another word, with the valid ones
-Show show_from(const std::string& word);
+/// Numbers of vog::Show are those of shade.frag, up to volume (shaded_as).
 /// "Visibility", "Column density", ... for people.
 const char* name_of(Show show);
 /// Whether a quantity is of a field: mean, deviation, volume and maximum.
 bool of_field(Show show);
 
-/// Whether a quantity is of scalar fields alone: volume and maximum.
-inline bool of_scalars(Show show) { return show == Show::volume || show == Show::maximum; }
 /// Whether a quantity's colours are over a scale: column, mean, deviation and maximum.
-inline bool has_scale(Show show) { return show != Show::visibility && show != Show::volume; }
+inline bool has_scale(Show show) { return show != Show::depth && show != Show::volume; }
 
 /// Quantity, and how it is drawn.
 struct Quantity {
-    Show show = Show::visibility;
+    Show show = Show::depth;
     FieldChoice field{};  ///< of mean, deviation, volume and maximum; an empty name: none
     VolumeLook look{};    ///< light of volume, and the clip of all quantities
     int slabs = 32;       ///< depth slabs of volume, 1 to 1024

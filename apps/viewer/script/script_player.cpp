@@ -321,7 +321,7 @@ bool ScriptPlayer::start_quantity(const Action& action, Stage& stage) {
     Session& session = stage.session;
     const std::vector<std::string>& w = action.words;
     if (action.verb == "show") {
-        session.set_quantity(show_from(w[0]), w.size() > 1 ? w[1] : "");
+        session.set_quantity(show_named(w[0]), w.size() > 1 ? w[1] : "");
     } else if (action.verb == "values") {
         if (w[0] == "auto") {
             session.automatic_scale();

@@ -20,108 +20,79 @@ namespace {
 
 struct Cancelled {};
 
-/// T, in as many channels as asked.
-SumImage sums_of(DepthImage depth, int channels) {
-    SumImage sums{depth.width, depth.height, channels, {}};
-    if (channels == 1) {
-        sums.value = std::move(depth.depth);
-        return sums;
+/// Numbers of a picture as channels, in a field's unit.
+SumImage channels_of(Sums sums, const Drawn& drawn, FieldUnit unit) {
+    SumImage image{sums.width, sums.height, drawn.channels(), {}};
+    if (image.channels == 1) {
+        image.value = std::move(sums.column);
+        return image;
     }
-    sums.value.resize(4 * depth.depth.size());
-    for (std::size_t n = 0; n < depth.depth.size(); ++n) sums.value[4 * n] = depth.depth[n];
-    return sums;
-}
-
-SumImage sums_of(const ValueMap& maximum, FieldUnit unit) {
-    SumImage sums{maximum.width, maximum.height, 4, std::vector<float>(4 * maximum.value.size())};
-    for (std::size_t n = 0; n < maximum.value.size(); ++n) {
-        const double value = (double{maximum.value[n]} - unit.reference) / unit.unit;
-        if (std::isnan(value)) continue;
-        sums.value[4 * n] = 1;
-        sums.value[4 * n + 1] = static_cast<float>(value);
-        sums.value[4 * n + 2] = static_cast<float>(value * value);
+    const auto pixels =
+        static_cast<std::size_t>(sums.width) * static_cast<std::size_t>(sums.height);
+    image.value.resize(4 * pixels);
+    for (std::size_t n = 0; n < pixels; ++n) {
+        float* const to = &image.value[4 * n];
+        const auto set = [&](double weight, double mean, double deviation) {
+            mean = (mean - unit.reference) / unit.unit, deviation /= unit.unit;
+            if (drawn.field.part == FieldPart::magnitude) deviation = std::exchange(mean, 0.0);
+            to[0] = static_cast<float>(weight), to[1] = static_cast<float>(weight * mean);
+            to[2] = static_cast<float>(weight * (mean * mean + deviation * deviation));
+        };
+        switch (drawn.kind) {
+            case Drawn::Kind::depth:
+                to[0] = sums.column[n];
+                break;
+            case Drawn::Kind::light: {
+                const Rgba& pixel = sums.light[n];
+                to[0] = pixel.r, to[1] = pixel.g, to[2] = pixel.b, to[3] = pixel.a;
+                break;
+            }
+            case Drawn::Kind::maximum:
+                if (!std::isnan(sums.maximum[n])) set(1, double{sums.maximum[n]}, 0);
+                break;
+            case Drawn::Kind::field:
+                if (sums.column[n] > 0)
+                    set(double{sums.column[n]}, double{sums.mean[n]}, double{sums.deviation[n]});
+        }
     }
-    return sums;
+    return image;
 }
 
-SumImage sums_of(const FieldMaps& maps, FieldPart part, FieldUnit unit) {
-    SumImage sums{maps.width, maps.height, 4, std::vector<float>(4 * maps.column.size())};
-    for (std::size_t n = 0; n < maps.column.size(); ++n) {
-        const double column = double{maps.column[n]};
-        if (!(column > 0)) continue;
-        double mean = (double{maps.mean[n]} - unit.reference) / unit.unit;
-        double deviation = double{maps.deviation[n]} / unit.unit;
-        if (part == FieldPart::magnitude) deviation = std::exchange(mean, 0.0);
-        sums.value[4 * n] = maps.column[n];
-        sums.value[4 * n + 1] = static_cast<float>(column * mean);
-        sums.value[4 * n + 2] = static_cast<float>(column * (mean * mean + deviation * deviation));
-    }
-    return sums;
-}
-
-SumImage sums_of(const VolumeImage& picture) {
-    SumImage sums{picture.width, picture.height, 4, {}};
-    sums.value.reserve(4 * picture.pixel.size());
-    for (const Rgba& pixel : picture.pixel)
-        sums.value.insert(sums.value.end(), {pixel.r, pixel.g, pixel.b, pixel.a});
-    return sums;
-}
-
-FieldUnit unit_of_voxels(const VoxelField& field, const VoxelData& data) {
-    // The unit of the models' fields, whose range is that of all volumes.
-    double lower = field.lower, upper = field.upper;
-    for (const std::vector<VoxelField>& each : data.fields)
-        if (each.front().name == field.name)
-            for (const VoxelField& part : each)
-                lower = std::min(lower, part.lower), upper = std::max(upper, part.upper);
+/// The unit of a field in sums: of voxels that of the models' fields, whose range is that of all volumes.
+FieldUnit unit_in(const vog::Scene& scene, const std::string& name) {
+    if (!scene.has_voxels()) return viewer::unit_of(scene.model().model->fields, name);
+    const auto& all = scene.voxels().fields;
+    const auto found = std::ranges::find(all, name, &SampledField::name);
+    if (found == all.end()) throw Error(fmt::format("the voxels have no field '{}'", name));
     Fields fields;
     const auto add = [&](auto& to) {
-        to.emplace_back();
-        to.back().name = field.name;
-        to.back().lower = lower, to.back().upper = upper;
+        auto& one = to.emplace_back();
+        one.name = name;
+        one.lower = std::ranges::min(found->values, {}, &VoxelField::lower).lower;
+        one.upper = std::ranges::max(found->values, {}, &VoxelField::upper).upper;
     };
-    if (field.is_vector())
-        add(fields.vector);
-    else
-        add(fields.scalar);
-    return viewer::unit_of(fields, field.name);
+    found->is_vector ? add(fields.vector) : add(fields.scalar);
+    return viewer::unit_of(fields, name);
 }
 
-SumImage draw_voxels(const RenderRequest& request, int width, int height,
-                     const Progress& progress) {
-    const VoxelData& data = *request.voxels;
+/// What is drawn as the library's picture.
+ResolvedPicture picture_of(const RenderRequest& request, int width, int height) {
+    constexpr Show kShows[] = {Show::depth, Show::mean, Show::volume, Show::maximum};
     const Drawn& drawn = request.drawn;
-    ReferenceOptions options;
-    options.progress = progress;
-    options.clip = drawn.look.clip;
-    if (drawn.kind == Drawn::Kind::depth) {
-        DepthImage depth;
-        if (drawn.look.clip.empty()) {
-            data.depth->render(request.camera, width, height, depth, progress);
-        } else {
-            RenderOptions clipped;
-            clipped.clip = drawn.look.clip;
-            DepthRenderer(vog::Renderer::reference, std::span(data.volumes), clipped)
-                .render(request.camera, width, height, depth, progress);
-        }
-        return sums_of(std::move(depth), drawn.channels());
-    }
-    const auto found = std::ranges::find_if(data.fields, [&](const std::vector<VoxelField>& field) {
-        return field.front().name == drawn.field.field;
-    });
-    if (found == data.fields.end())
-        throw Error(fmt::format("the voxels have no field '{}'", drawn.field.field));
-    if (drawn.kind == Drawn::Kind::light)
-        return sums_of(render_volume_reference(data.volumes, *found, *drawn.transfer,
-                                               request.camera, width, height, options, drawn.look));
-    const FieldUnit unit = unit_of_voxels(found->front(), data);
-    if (drawn.kind == Drawn::Kind::maximum)
-        return sums_of(
-            render_maximum_reference(data.volumes, *found, request.camera, width, height, options),
-            unit);
-    return sums_of(render_field_reference(data.volumes, *found, drawn.field.part, request.camera,
-                                          width, height, options),
-                   drawn.field.part, unit);
+    ResolvedPicture picture;
+    picture.field = drawn.field;
+    if (drawn.transfer) picture.chosen.transfer = *drawn.transfer;
+    PictureRequest& made = picture.request;
+    made.show = kShows[static_cast<std::size_t>(drawn.kind)];
+    made.look = drawn.look;
+    made.slabs = drawn.slabs;
+    made.camera = request.camera;
+    made.width = width, made.height = height;
+    made.renderer = request.voxels ? vog::Renderer::reference : library_renderer(request.renderer);
+    made.options.clip = drawn.look.clip;
+    // Clipped pictures have no levels of detail.
+    if (!request.voxels && drawn.look.clip.empty()) made.options.pixel_error = request.pixel_error;
+    return picture;
 }
 
 /// GPU renderers add up the rays of a pixel themselves.
@@ -132,14 +103,12 @@ bool on_gpu(const RenderRequest& request) {
 
 }  // namespace
 
-/// Renderers prepared for the latest model: they outlive a picture, not the model.
+/// Renderers prepared for the latest data: they outlive a picture.
 struct BackgroundRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
-    Clipping clip;  ///< of `by`
-    std::map<WindowRenderer, DepthRenderer> by;
-    std::optional<SlabRenderer>
-        slabs;  ///< for pictures that differ in the transfer function alone from this one
-    Drawn slabs_of;
+    std::shared_ptr<const Hierarchy> hierarchy;
+    std::shared_ptr<const VoxelData> voxels;
+    std::optional<PictureRenderer> of_model, of_whole, of_parts;
     // On a GPU: T without a clip, and all else.
     std::optional<CudaSplat> cuda;
     std::optional<OptixModel> optix;
@@ -214,99 +183,28 @@ void BackgroundRenderer::work() {
     }
 }
 
-void BackgroundRenderer::draw_depth(const RenderRequest& request, int width, int height,
-                                    const Progress& progress, RenderedPicture& picture) {
-    // Clipped pictures have no levels of detail, and are prepared anew for another clip.
-    const Clipping& clip = request.drawn.look.clip;
-    Drawn prepared_for = request.drawn;
-    prepared_for.look.clip = prepared_->clip;
-    if (!(request.drawn == prepared_for)) prepared_->by.clear();
-    prepared_->clip = clip;
-    auto found = prepared_->by.find(request.renderer);
-    if (found == prepared_->by.end()) {
-        RenderOptions options;
-        options.clip = clip;
-        found = prepared_->by
-                    .emplace(request.renderer,
-                             DepthRenderer(library_renderer(request.renderer), request.model,
-                                           options, clip.empty() ? request.hierarchy : nullptr))
-                    .first;
+void BackgroundRenderer::draw_on_host(const RenderRequest& request, int width, int height,
+                                      const Progress& progress, RenderedPicture& picture) {
+    const bool is_depth = request.drawn.kind == Drawn::Kind::depth;
+    std::optional<PictureRenderer>& renderer = !request.voxels ? prepared_->of_model
+                                               : is_depth      ? prepared_->of_whole
+                                                               : prepared_->of_parts;
+    if (!renderer && request.voxels) {
+        renderer.emplace(is_depth ? request.voxels->whole : request.voxels->parts);
+    } else if (!renderer) {
+        vog::Scene of_model;
+        of_model.sources.push_back(ModelSource{request.model, request.hierarchy});
+        renderer.emplace(std::move(of_model));
     }
-    DepthRenderer& renderer = found->second;
-    renderer.set_pixel_error(request.pixel_error);
-    DepthImage depth;
-    renderer.render(request.camera, width, height, depth, progress);
-    picture.drawn = renderer.cut() ? renderer.cut()->drawn() : request.model->size();
-    picture.sums = sums_of(std::move(depth), request.drawn.channels());
-}
-
-void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
-                                    const Progress& progress, RenderedPicture& picture) {
-    if (request.model != prepared_->model) *prepared_ = {request.model, {}, {}, {}, {}, {}, {}, {}};
-    const Drawn& drawn = request.drawn;
-    if (on_gpu(request)) return draw_on_gpu(request, picture);
-    if (drawn.kind == Drawn::Kind::depth)
-        return draw_depth(request, width, height, progress, picture);
-    const Gaussians& model = *request.model;
-    picture.drawn = model.size();
-    const bool splat = request.renderer == WindowRenderer::splat;
-    TraceOptions rays;
-    rays.progress = progress;
-    if (drawn.kind == Drawn::Kind::field) {
-        const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
-        if (!splat) {
-            picture.sums = sums_of(render_field_trace(model, drawn.field, request.camera, width,
-                                                      height, rays, {}, drawn.look.clip),
-                                   drawn.field.part, unit);
-            return;
-        }
-        SplatOptions options;
-        options.progress = progress;
-        CutReport report;
-        if (request.hierarchy && !request.hierarchy->empty() && request.pixel_error > 0 &&
-            drawn.look.clip.empty()) {
-            options.hierarchy = request.hierarchy.get();
-            options.cut.pixel_error = request.pixel_error;
-        }
-        picture.sums = sums_of(render_field_splat(model, drawn.field, request.camera, width, height,
-                                                  options, &report, drawn.look.clip),
-                               drawn.field.part, unit);
-        picture.drawn = report.drawn();
-        return;
-    }
-    if (drawn.kind == Drawn::Kind::maximum) {
-        const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
-        SlabOptions options;
-        options.slabs = drawn.slabs;
-        options.look.clip = drawn.look.clip;
-        picture.sums =
-            sums_of(splat ? render_maximum_splat(model, drawn.field.field, request.camera, width,
-                                                 height, options)
-                          : render_maximum_trace(model, drawn.field.field, request.camera, width,
-                                                 height, rays, {}, drawn.look.clip),
-                    unit);
-        return;
-    }
-    if (!splat) {
-        picture.sums =
-            sums_of(render_volume_trace(model, drawn.field.field, *drawn.transfer, request.camera,
-                                        width, height, rays, {}, drawn.look));
-        return;
-    }
-    Drawn same = drawn;
-    same.transfer = prepared_->slabs_of.transfer;
-    if (prepared_->slabs && same == prepared_->slabs_of) {
-        prepared_->slabs->set_transfer(*drawn.transfer);
-    } else {
-        SlabOptions options;
-        options.slabs = drawn.slabs;
-        options.look = drawn.look;
-        prepared_->slabs.emplace(model, drawn.field.field, *drawn.transfer, options);
-    }
-    prepared_->slabs_of = drawn;
-    VolumeImage image;
-    prepared_->slabs->render(request.camera, width, height, image);
-    picture.sums = sums_of(image);
+    const vog::Scene& scene = renderer->scene();
+    const FieldUnit unit = is_depth || request.drawn.kind == Drawn::Kind::light
+                               ? FieldUnit{}
+                               : unit_in(scene, request.drawn.field.field);
+    Sums sums;
+    renderer->draw(picture_of(request, width, height), sums, progress);
+    const auto& cut = renderer->report().cut;
+    picture.drawn = cut ? cut->drawn() : request.model ? request.model->size() : 0;
+    picture.sums = channels_of(std::move(sums), request.drawn, unit);
 }
 
 void BackgroundRenderer::draw_on_gpu(const RenderRequest& request, RenderedPicture& picture) {
@@ -372,10 +270,13 @@ RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
     const int lattice = on_gpu(request) ? 1 : request.rays;
     const int width = request.width * lattice, height = request.height * lattice;
     RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}, {}};
-    if (request.voxels)
-        picture.sums = draw_voxels(request, width, height, progress);
+    if (request.model != prepared_->model || request.hierarchy != prepared_->hierarchy ||
+        request.voxels != prepared_->voxels)
+        *prepared_ = {request.model, request.hierarchy, request.voxels, {}, {}, {}, {}, {}, {}};
+    if (on_gpu(request))
+        draw_on_gpu(request, picture);
     else
-        draw_model(request, width, height, progress, picture);
+        draw_on_host(request, width, height, progress, picture);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
     picture.sums = shrunk(std::move(picture.sums), lattice);
     picture.ms = ms.count();

@@ -23,10 +23,8 @@ namespace vog::viewer {
 
 /// Voxels with their fields.
 struct VoxelData {
-    std::vector<Volume> volumes;  ///< that add up, or the parts of a mesh
-    std::vector<std::vector<VoxelField>>
-        fields;  ///< [fields][volumes]; one without values: the volumes' own
-    std::shared_ptr<DepthRenderer> depth;  ///< prepared for T without a clip
+    vog::Scene whole;  ///< as it was read, for T
+    vog::Scene parts;  ///< volumes that add up, or the parts of a mesh, with all fields
 };
 
 /// One picture to draw, of a model or of voxels.
@@ -74,10 +72,8 @@ class BackgroundRenderer {
   private:
     void work();
     RenderedPicture render(const RenderRequest& request);
-    void draw_model(const RenderRequest& request, int width, int height, const Progress& progress,
-                    RenderedPicture& picture);
-    void draw_depth(const RenderRequest& request, int width, int height, const Progress& progress,
-                    RenderedPicture& picture);
+    void draw_on_host(const RenderRequest& request, int width, int height, const Progress& progress,
+                      RenderedPicture& picture);
     void draw_on_gpu(const RenderRequest& request, RenderedPicture& picture);
     void draw_sums(const RenderRequest& request, GpuSums& sums);
     struct Prepared;

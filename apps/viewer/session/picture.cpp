@@ -29,14 +29,14 @@ GlModelFields& GlModels::get(const std::shared_ptr<const Gaussians>& model) {
         .first->second.on_device;
 }
 
-void Picture::require_target(PixelSize size) {
+void ProgressivePicture::require_target(PixelSize size) {
     const GLenum format = key_.drawn.channels() == 1 ? GL_R32F : GL_RGBA32F;
     if (!target_ || target_->width() != size.width || target_->height() != size.height ||
         target_->channels() != key_.drawn.channels())
         target_.emplace(format, size.width, size.height);
 }
 
-void Picture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
+void ProgressivePicture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
     // Fewer sub-frames than are summed already: starts again.
     const int begun =
         key.renderer == WindowRenderer::gl ? subframes_ : rays_requested_ * rays_requested_;
@@ -59,7 +59,7 @@ void Picture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
 /// The Gaussians to draw: the level-of-detail cut for the key's camera, chosen at the first
 /// sub-frame, or the whole model.
 /// gaussians  receives them
-GlModelFields& Picture::cut_model(GlModels& models, const Gaussians*& gaussians) {
+GlModelFields& ProgressivePicture::cut_model(GlModels& models, const Gaussians*& gaussians) {
     gaussians = key_.model.get();
     // Nodes are no substitute by value: light of a mean value is not the mean light, nor the largest one.
     const bool by_value =
@@ -80,8 +80,8 @@ GlModelFields& Picture::cut_model(GlModels& models, const Gaussians*& gaussians)
     return *cut_model_;
 }
 
-void Picture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
-                       GlRenderers& gl) const {
+void ProgressivePicture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
+                                  GlRenderers& gl) const {
     const Drawn& drawn = key_.drawn;
     const Jitter jitter = jitter_of(subframes_);
     if (drawn.kind == Drawn::Kind::light || drawn.kind == Drawn::Kind::maximum) {
@@ -99,7 +99,7 @@ void Picture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
     }
 }
 
-void Picture::update_gl(int subframes, GlRenderers& gl) {
+void ProgressivePicture::update_gl(int subframes, GlRenderers& gl) {
     complete_ = subframes_ >= subframes;
     way_ = "";
     if (timer_) ms_ = timer_->ms();
@@ -120,7 +120,7 @@ void Picture::update_gl(int subframes, GlRenderers& gl) {
     complete_ = subframes_ >= subframes;
 }
 
-void Picture::request(int rays, GpuUpload& gpu) {
+void ProgressivePicture::request(int rays, GpuUpload& gpu) {
     if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
     rays_requested_ = rays;
     const bool voxels = key_.renderer == WindowRenderer::voxels;
@@ -132,7 +132,7 @@ void Picture::request(int rays, GpuUpload& gpu) {
                    key_.size.height, rays, on_gpu && gpu.stays_on_gpu()});
 }
 
-void Picture::show(RenderedPicture& picture, GpuUpload& gpu) {
+void ProgressivePicture::show(RenderedPicture& picture, GpuUpload& gpu) {
     const bool on_gpu =
         key_.renderer == WindowRenderer::cuda || key_.renderer == WindowRenderer::optix;
     way_ = on_gpu ? "copied" : "";
@@ -145,7 +145,7 @@ void Picture::show(RenderedPicture& picture, GpuUpload& gpu) {
         error_ = "pictures come through host memory: " + failure;
 }
 
-void Picture::update_cpu(int subframes, GpuUpload& gpu) {
+void ProgressivePicture::update_cpu(int subframes, GpuUpload& gpu) {
     if (rays_requested_ == 0) request(1, gpu);
     // More sub-frames than those of a complete picture: continues.
     if (complete_ && subframes > complete_for_) refine(rays_requested_, subframes, gpu);
@@ -174,7 +174,7 @@ void Picture::update_cpu(int subframes, GpuUpload& gpu) {
     refine(picture->rays, subframes, gpu);
 }
 
-void Picture::refine(int done, int subframes, GpuUpload& gpu) {
+void ProgressivePicture::refine(int done, int subframes, GpuUpload& gpu) {
     // By 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
     constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB a channel
     const int rays = 2 * done;
@@ -184,12 +184,12 @@ void Picture::refine(int done, int subframes, GpuUpload& gpu) {
     if (!complete_) request(rays, gpu);
 }
 
-GlDepth Picture::depth() const {
+GlDepth ProgressivePicture::depth() const {
     if (!target_ || summed_ == 0) return {};
     return {&*target_, summed_};
 }
 
-SumImage Picture::read() const {
+SumImage ProgressivePicture::read() const {
     SumImage image{target_->width(), target_->height(), target_->channels(),
                    target_->read_floats()};
     const auto share = static_cast<float>(1 / depth().subframes);

@@ -70,7 +70,7 @@ struct GlRenderers {
 };
 
 /// One half of the split: sums of one renderer, accumulated over sub-frames.
-class Picture {
+class ProgressivePicture {
   public:
     /// Renders the next sub-frame, or requests it from the background renderer, until there are
     /// `subframes`. A changed key starts again.

@@ -144,11 +144,14 @@ void SceneLoader::work(const std::vector<std::string>& files) {
 void SceneLoader::show_volumes(VolumeSet set, const ReadFields& read_fields, Scene scene) {
     begin("preparing the voxels");
     const auto voxels = std::make_shared<VoxelData>();
-    voxels->depth = std::make_shared<DepthRenderer>(vog::Renderer::reference, set);
-    Composite data;
+    const Overlap overlap = set.overlap;
     const std::size_t count = set.volumes.size();
-    if (set.is_mesh()) {
+    const bool mesh = set.is_mesh();
+    Composite data;
+    if (mesh) {
         data = composite(set);
+        voxels->whole.sources.push_back(
+            VoxelSource{std::make_shared<const VolumeSet>(std::move(set)), {}});
     } else {
         for (const Volume& volume : set.volumes) {
             data.box.include(world_box(volume));
@@ -157,18 +160,26 @@ void SceneLoader::show_volumes(VolumeSet set, const ReadFields& read_fields, Sce
         data.parts = std::move(set.volumes);
         data.content = content_of(data.parts, data.box);
     }
+    VoxelSource parts;
     if (read_fields) {
         begin("reading fields");
-        voxels->fields = read_fields(data.parts);
+        for (std::vector<VoxelField>& values : read_fields(data.parts)) {
+            const VoxelField& first = values.front();
+            parts.fields.push_back({first.name, first.unit, first.is_vector(), {}});
+            parts.fields.back().values = std::move(values);
+        }
     }
     scene.subject = subject_of(data.box, data.content);
     scene.facts = count_text(data.voxels) + " active voxels";
-    if (count > 1)
-        scene.facts += fmt::format(" in {} {}", count, set.is_mesh() ? "levels" : "volumes");
-    voxels->volumes = data.parts;
+    if (count > 1) scene.facts += fmt::format(" in {} {}", count, mesh ? "levels" : "volumes");
+    auto divided = std::make_shared<VolumeSet>();
+    divided->volumes = data.parts;
+    parts.volumes = divided;
+    if (!mesh) voxels->whole.sources.push_back(VoxelSource{divided, {}});
+    voxels->parts.sources.push_back(std::move(parts));
     scene.voxels = voxels;
     show(std::move(scene));
-    convert_levels(data, *voxels, set.overlap);
+    convert_levels(data, *voxels, overlap);
     data.parts.clear();
     measure_levels();
 }
@@ -241,7 +252,8 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
 /// A part of the volumes, or a whole mesh, with the fields.
 Gaussians SceneLoader::converted(const Composite& data, const VoxelData& voxels, std::size_t part,
                                  bool is_mesh, MomentOptions options) {
-    const auto& fields = voxels.fields;
+    std::vector<std::vector<VoxelField>> fields;
+    for (const SampledField& field : voxels.parts.voxels().fields) fields.push_back(field.values);
     // The volumes' own values alone come from the conversion itself.
     const auto is_own = [](const std::vector<VoxelField>& field) {
         const VoxelValues& values = field.front().component.front();
@@ -305,6 +317,22 @@ void SceneLoader::convert_levels(const Composite& data, const VoxelData& voxels_
     }
 }
 
+namespace {
+
+DepthImage voxel_depth(const vog::Scene& voxels, const Camera& camera, int size,
+                       const Progress& progress) {
+    PictureRequest request;
+    request.camera = camera;
+    request.width = request.height = size;
+    request.extinction = 1;
+    const ResolvedPicture picture = resolve(request, voxels);
+    Sums sums;
+    PictureRenderer(voxels).draw(picture, sums, progress);
+    return finish(std::move(sums), picture, voxels).depth();
+}
+
+}  // namespace
+
 void SceneLoader::measure_levels() {
     constexpr int kSize = 256;
     begin("measuring: the truth");
@@ -316,7 +344,7 @@ void SceneLoader::measure_levels() {
     const Camera camera = paper_view(scene.subject.box);
     DepthImage truth;
     if (scene.voxels)
-        scene.voxels->depth->render(camera, kSize, kSize, truth, progress());
+        truth = voxel_depth(scene.voxels->whole, camera, kSize, progress());
     else
         truth = render_splat(*scene.levels.back().model, camera, kSize, kSize);
     set_extinction(truth, auto_extinction(truth));

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "vog/error.h"
+#include "vog/periodic.h"
 
 namespace vog::viewer {
 
@@ -92,7 +93,12 @@ void Session::update_scene() {
     const int opened = scene.opened;
     const Level* selected = settings.level < 0 ? nullptr : level_at(settings.level);
     const std::shared_ptr<const Gaussians> model = selected ? selected->model : nullptr;
+    const bool first_level = scene.levels.empty();
     if (!loader_.take(scene)) return;
+    // A periodic model is shown inside its box, unless a clip was stated.
+    if ((first_level || scene.opened != opened) && !scene.levels.empty() &&
+        quantity.look.clip.empty())
+        quantity.look.clip.box = periodic_box(*scene.levels.front().model);
     if (scene.opened == opened) {
         // New levels are inserted between the others: the selected one stays selected.
         for (std::size_t n = 0; model && n < scene.levels.size(); ++n)
@@ -213,7 +219,7 @@ void Session::update(PixelSize shown) {
     const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
     left_.update(key(settings.renderer), subframes, gl_);
     if (needs_right()) right_.update(key(settings.other), subframes, gl_);
-    for (Picture* picture : {&left_, &right_})
+    for (ProgressivePicture* picture : {&left_, &right_})
         if (const std::string error = picture->take_error(); !error.empty()) show_error(error);
     inspect();
     advance_recording();

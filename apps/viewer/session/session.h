@@ -187,8 +187,8 @@ class Session {
     bool opening() const { return opening_; }
     SceneLoader::Status loading;
 
-    const Picture& left() const { return left_; }
-    const Picture& right() const { return right_; }
+    const ProgressivePicture& left() const { return left_; }
+    const ProgressivePicture& right() const { return right_; }
     /// The displayed level of detail; null: none yet.
     const Level* shown_level() const { return level_at(settings.level); }
     /// Level of the scene by index; -1: the finest; null: the scene is empty.
@@ -239,7 +239,7 @@ class Session {
     GlRenderers gl_;
     GlShade shade_;
     GlTimer shade_timer_;
-    Picture left_, right_;
+    ProgressivePicture left_, right_;
     PixelSize shown_;
     std::function<double()> clock_s_;
     SumImage inspected_;     ///< sums as last read back

@@ -68,9 +68,9 @@ void Session::copy_flags() {
     Look shown = look;
     if (has_scale(quantity.show)) shown.low = 0, shown.high = 1, shown.opacity = look.base.opacity;
     const bool plain = quantity.show != Show::volume && is_plain(shown);
-    const std::string flags = fmt::format(
-        "{} {} {}", camera_flags(camera), quantity_flags(quantity, scale),
-        look_flags(look, plain ? look.map : "LOOK.json", quantity.show == Show::visibility));
+    const std::string flags =
+        fmt::format("{} {} {}", camera_flags(camera), quantity_flags(quantity, scale),
+                    look_flags(look, plain ? look.map : "LOOK.json", quantity.show == Show::depth));
     ImGui::SetClipboardText(flags.c_str());
     show_message(plain ? "copied: " + flags : "copied; save the colours as LOOK.json: " + flags);
 }

@@ -44,6 +44,11 @@ void Session::set_quantity(Show show, const std::string& field) {
         else
             next.field = field_for(fields(), show, text);
     }
+    // A map that nobody has chosen is the quantity's.
+    if (show != quantity.show && look.map == default_map(quantity.show)) {
+        load_map(look, default_map(show));
+        look_changed();
+    }
     quantity = next;
     if (has_scale(show) && changed) {
         scale = {ColorScale::Kind::linear, 0, 1};
@@ -64,7 +69,7 @@ void Session::update_quantity() {
         try {
             quantity.field = field_for(fields(), quantity.show, wanted);
         } catch (const Error& error) {
-            quantity.show = Show::visibility;
+            quantity.show = Show::depth;
             quantity.field = {};
             show_error(error.what());
             return;

@@ -65,8 +65,8 @@ Drag::Grip grip_of(const Session& session, const Rect& picture, const ImGuiIO& i
                             : Drag::Grip::rotate;
     }
     if (!io.MouseDown[1]) return Drag::Grip::pan;
-    return session.quantity.show == Show::visibility || io.KeyShift ? Drag::Grip::zoom
-                                                                    : Drag::Grip::window;
+    return session.quantity.show == Show::depth || io.KeyShift ? Drag::Grip::zoom
+                                                               : Drag::Grip::window;
 }
 
 void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoint at,

@@ -199,7 +199,7 @@ void draw_look(Session& session, Gui& gui, float ui) {
         load_map(look, map);
         changed = true;
     }
-    const bool visibility = session.quantity.show == Show::visibility;
+    const bool visibility = session.quantity.show == Show::depth;
     if (visibility) changed |= edit_opacity(session, gui, ui);
     if (visibility && ImGui::DragFloatRange2("range", &look.low, &look.high, 0.002f, 0, 1, "%.3f",
                                              "%.3f", ImGuiSliderFlags_AlwaysClamp)) {

@@ -69,9 +69,9 @@ Bar bar_of(const Session& session) {
     const Settings& settings = session.settings;
     const Quantity& quantity = session.quantity;
     if (settings.difference) {
-        const std::string of = quantity.show == Show::visibility ? "V"
-                               : quantity.show == Show::volume   ? "colour"
-                                                                 : "share of the scale";
+        const std::string of = quantity.show == Show::depth    ? "V"
+                               : quantity.show == Show::volume ? "colour"
+                                                               : "share of the scale";
         const double limit = double{settings.difference_limit};
         static const TransferFunction kSigned{"",
                                               {{0, 0.231f, 0.298f, 0.753f},

@@ -82,9 +82,9 @@ void draw_picture_section(Session& session, Gui& gui) {
     const Show show = session.quantity.show;
     if (s.difference)
         ImGui::SliderFloat("ends at", &s.difference_limit, 0.001f, 1,
-                           show == Show::visibility ? "%.3f of V"
-                           : show == Show::volume   ? "%.3f of a colour"
-                                                    : "%.3f of the scale",
+                           show == Show::depth    ? "%.3f of V"
+                           : show == Show::volume ? "%.3f of a colour"
+                                                  : "%.3f of the scale",
                            ImGuiSliderFlags_Logarithmic);
     draw_level(session, gui);
     ImGui::SliderFloat("parts", &s.pixel_error, 0, 16, "%.2g pixels", ImGuiSliderFlags_AlwaysClamp);

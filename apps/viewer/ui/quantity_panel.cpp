@@ -14,7 +14,7 @@ namespace {
 void choose_quantity(Session& session, Gui& gui) {
     const Quantity& quantity = session.quantity;
     if (ImGui::BeginCombo("show", name_of(quantity.show))) {
-        for (const Show show : {Show::visibility, Show::column, Show::mean, Show::deviation,
+        for (const Show show : {Show::depth, Show::column, Show::mean, Show::deviation,
                                 Show::volume, Show::maximum}) {
             if (of_field(show) && field_choices(session.fields(), show).empty()) continue;
             if (ImGui::Selectable(name_of(show), show == quantity.show))

@@ -108,8 +108,10 @@ void add_particle_fields(Gaussians& model, const Points& points,
         const auto [lower, upper] = range_of(values, mass);
         if (values.component.size() == 1) {
             ValueCounts counts;
-            for (std::size_t n = 0; n < mass.size(); ++n)
+            for (std::size_t n = 0; n < mass.size(); ++n) {
                 counts.add(values.component.front()[n], double{mass[n]});
+                keep_memory_at(n);
+            }
             ScalarField field{values.name,     {}, lower, upper, false,
                               counts.spread(), {}, {},    {},    {}};
             field.value.resize(size), field.gradient.resize(size);

@@ -17,9 +17,6 @@ namespace vog {
 
 namespace {
 
-/// Option of `vog convert` by which a model's header states its box.
-constexpr const char* kOption = "--periodic ";
-
 /// Whole edges by which an interval is moved to meet [lower, upper], from the first to the last.
 struct Shifts {
     int first = 0, last = 0;
@@ -32,21 +29,6 @@ Shifts shifts_of(double begin, double end, double lower, double upper) {
 }
 
 }  // namespace
-
-Box box_of_numbers(std::span<const double> n) {
-    Box box;
-    if (n.size() == 1) box = {{}, {n[0], n[0], n[0]}};
-    if (n.size() == 3) box = {{}, {n[0], n[1], n[2]}};
-    if (n.size() == 6) box = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-    for (int axis = 0; axis < 3; ++axis) {
-        const double edge = box.upper[axis] - box.lower[axis];
-        if (!(edge > 0) || !std::isfinite(edge))
-            throw Error(
-                "periodic box: expected its edge, its three edges, or x0,y0,z0,x1,y1,z1 with edges "
-                "above 0");
-    }
-    return box;
-}
 
 void wrap(Points& points, const Box& box) {
     for (std::size_t n = 0; n < points.size(); ++n) {
@@ -114,23 +96,28 @@ void add_periodic_images(Gaussians& model, const Box& box) {
     all.summary = model.summary;
     all.box = box;
     all.options = fmt::format("{}{}{}{},{},{},{},{},{}", model.options,
-                              model.options.empty() ? "" : " ", kOption, box.lower.x, box.lower.y,
+                              model.options.empty() ? "" : " ", kPeriodicOption, box.lower.x, box.lower.y,
                               box.lower.z, box.upper.x, box.upper.y, box.upper.z);
     model = std::move(all);
 }
 
-std::optional<Box> periodic_box(const Gaussians& model) {
-    const std::size_t at = model.options.find(kOption);
-    if (at == std::string::npos) return {};
-    const char* text = model.options.c_str() + at + std::string_view(kOption).size();
-    const char* end = model.options.c_str() + model.options.size();
-    std::array<double, 6> n{};
-    for (double& number : n) {
-        const auto [stop, code] = std::from_chars(text, end, number);
-        if (code != std::errc{}) return {};
-        text = std::min(stop + 1, end);
-    }
-    return box_of_numbers(n);
+namespace {
+
+bool is_inside(const Box& box, Vec3d at) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (at[axis] < box.lower[axis] || at[axis] >= box.upper[axis]) return false;
+    return true;
+}
+
+}  // namespace
+
+Gaussians without_images(Gaussians model) {
+    const std::optional<Box> period = periodic_box(model);
+    if (!period) return model;
+    std::vector<std::size_t> inside;
+    for (std::size_t i = 0; i < model.size(); ++i)
+        if (is_inside(*period, world_mean(model, i))) inside.push_back(i);
+    return select(model, inside);
 }
 
 double mass_without_images(const Gaussians& model) {
@@ -138,28 +125,10 @@ double mass_without_images(const Gaussians& model) {
     if (!period) return mass(model);
     double sum = 0;
     for (std::size_t i = 0; i < model.size(); ++i) {
-        const Vec3d at = world_mean(model, i);
-        bool inside = true;
-        for (int axis = 0; axis < 3; ++axis)
-            inside &= at[axis] >= period->lower[axis] && at[axis] < period->upper[axis];
-        if (inside) sum += mass(model, i);
+        if (is_inside(*period, world_mean(model, i))) sum += mass(model, i);
         keep_memory_at(i);
     }
     return sum;
-}
-
-Clipping inside_period(Clipping clip, const Gaussians& model) {
-    const std::optional<Box> period = periodic_box(model);
-    if (!period) return clip;
-    if (!clip.box) clip.box = period;
-    for (int axis = 0; axis < 3; ++axis) {
-        double& lower = clip.box->lower[axis];
-        double& upper = clip.box->upper[axis];
-        lower = std::max(lower, period->lower[axis]);
-        upper = std::min(upper, period->upper[axis]);
-        if (!(lower < upper)) throw Error("clip: lies outside the periodic box of the model");
-    }
-    return clip;
 }
 
 }  // namespace vog

@@ -226,27 +226,25 @@ class MassLattice {
         return slabs;
     }
 
-    /// Corners of the first and the last cell in all slabs of each row along z: all that a hull can have.
+    /// Corners of the ends of each row along z, between the slabs' ends: all that a hull can have.
     std::vector<Vec3d> ends_of_rows(const std::vector<Slab>& slabs) const {
         std::vector<Vec3d> points;
-        const auto add_corners = [&](Vec3i cell) {
-            const Vec3d lower = lower_ + cell_ * vec_cast<double>(cell);
-            std::ranges::copy(Subject(Box{lower, lower + Vec3d{cell_, cell_, cell_}}).content.hull,
-                              std::back_inserter(points));
+        const auto add_end = [&](Vec3i cell, int upper) {
+            for (const Vec3i& corner :
+                 {Vec3i{0, 0, upper}, {1, 0, upper}, {0, 1, upper}, {1, 1, upper}})
+                points.push_back(lower_ + cell_ * vec_cast<double>(cell + corner));
         };
         std::optional<Vec3i> last;
         each_cell([&](Vec3i cell, double) {
             if (!std::ranges::all_of(slabs, [&](const Slab& one) { return one.holds(cell); }))
                 return;
-            if (last && last->x == cell.x && last->y == cell.y) {
-                last = cell;
-                return;
+            if (!last || last->x != cell.x || last->y != cell.y) {
+                if (last) add_end(*last, 1);
+                add_end(cell, 0);
             }
-            if (last) add_corners(*last);
-            add_corners(cell);
             last = cell;
         });
-        if (last) add_corners(*last);
+        if (last) add_end(*last, 1);
         return points;
     }
 

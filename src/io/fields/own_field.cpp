@@ -50,12 +50,14 @@ VoxelField with_range(const Volume& volume, const std::string& name, const Take&
 ValueCounts value_counts(const Volume& volume, const VoxelValues& values) {
     const double voxel = voxel_volume(volume);
     ValueCounts counts;
-    for (std::size_t l = 0; l < volume.leaves.size(); ++l)
+    for (std::size_t l = 0; l < volume.leaves.size(); ++l) {
+        check_interrupt();
         for (int n = 0; n < kLeafVoxels; ++n) {
             const auto at = static_cast<std::size_t>(n);
             if (volume.leaves[l].active(n))
                 counts.add(values.leaf[l][at], double{volume.leaves[l].value[at]} * voxel);
         }
+    }
     for (std::size_t t = 0; t < volume.tiles.size(); ++t)
         counts.add(values.tile[t], double{volume.tiles[t].value} *
                                        std::pow(double(volume.tiles[t].edge), 3) * voxel);

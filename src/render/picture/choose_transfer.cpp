@@ -35,6 +35,23 @@ void add_values(const Gaussians& gaussians, const ScalarField& field, std::size_
     }
 }
 
+/// throws  vog::Error for values that are all outside the data
+void require_inside(const TransferRequest& request, const ValueData& data) {
+    const auto require = [&](const std::string& what, double lower, double upper) {
+        if (lower <= data.upper && upper > data.lower) return;
+        throw Error(
+            fmt::format("{} is outside the data's values, {} to {}", what, data.lower, data.upper));
+    };
+    if (const auto& window = request.window)
+        require(fmt::format("the window {},{}", window->first, window->second),
+                window->first - window->second / 2, HUGE_VAL);
+    for (const ValueBand& band : request.bands)
+        require(std::isinf(band.upper)
+                    ? fmt::format("the surface at {}", band.lower)
+                    : fmt::format("the band from {} to {}", band.lower, band.upper),
+                band.lower, band.upper);
+}
+
 }  // namespace
 
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field) {
@@ -110,6 +127,7 @@ double map_unit_distance(const ValueData& data, const ColorScale& scale) {
 ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& data) {
     if (request.window && !request.bands.empty())
         throw Error("window and bands, expected one of them");
+    if (!request.may_be_empty) require_inside(request, data);
     ChosenTransfer chosen;
     using Kind = ColorScale::Kind;
     chosen.scale = request.range
@@ -127,8 +145,9 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
     } else {
         const TransferPoints points = request.map ? transfer_points(*request.map) : request.points;
         if (points.at_values && (request.range || request.log))
-            throw Error(fmt::format("{}: {} states values of its own, expected one of them",
-                                    request.range ? "range" : "scale", points.points.name));
+            throw RequestError(request.range ? "range" : "scale",
+                               fmt::format(": {} states values of its own, expected one of them",
+                                           points.points.name));
         if (points.at_values) chosen.scale = {Kind::linear, points.lower, points.upper};
         chosen.transfer = over_range(points, chosen.scale.low, chosen.scale.high, unit, log);
         is_ramp = points.points.opacity.empty();

@@ -1,7 +1,11 @@
 // picture_defaults.cpp: default view, field, label and scale of a picture.
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "vog/error.h"
 #include "vog/picture.h"
 #include "vog/splat.h"
 #include "vog/text.h"
@@ -65,24 +69,45 @@ VoxelField component_of(VoxelField field, const std::string& part, const Volume&
     return field;
 }
 
-std::string quantity_label(std::string_view show, const std::string& field,
-                           const std::string& unit) {
-    std::string label = show == "T"        ? "optical depth T"
-                        : show == "column" ? "column density"
-                                           : field;
-    if (show == "deviation" || show == "maximum") label = std::string(show) + " of " + field;
+namespace {
+constexpr std::array<const char*, 6> kShowWords = {"T",         "column", "mean",
+                                                   "deviation", "volume", "maximum"};
+}
+
+std::span<const char* const> show_words() { return kShowWords; }
+const char* word_of(Show show) { return kShowWords[static_cast<std::size_t>(show)]; }
+
+Show show_named(std::string_view word) {
+    std::string words;
+    for (std::size_t n = 0; n < kShowWords.size(); ++n) {
+        if (word == kShowWords[n]) return static_cast<Show>(n);
+        words += fmt::format("{}'{}'",
+                             n == 0                      ? ""
+                             : n + 1 < kShowWords.size() ? ", "
+                                                         : " or ",
+                             kShowWords[n]);
+    }
+    throw Error(fmt::format("show '{}', expected {}", word, words));
+}
+
+std::string quantity_label(Show show, const std::string& field, const std::string& unit) {
+    std::string label = show == Show::depth    ? "optical depth T"
+                        : show == Show::column ? "column density"
+                                               : field;
+    if (show == Show::deviation || show == Show::maximum)
+        label = fmt::format("{} of {}", word_of(show), field);
     return with_unit(label, unit);
 }
 
-ColoredMap colored_map(const FieldMaps& maps, std::string_view show, ScaleFit fit,
+ColoredMap colored_map(const FieldMaps& maps, Show show, ScaleFit fit,
                        const std::optional<ColorScale>& fixed, double least_column) {
-    if (show == "column") {
+    if (show == Show::column) {
         DepthImage column(maps.width, maps.height);
         column.depth = maps.column;
         return {visible_values(maps, maps.column, 0),
                 fixed ? *fixed : automatic_scale({&column, 1}, fit)};
     }
-    const std::vector<float>& shown = show == "mean" ? maps.mean : maps.deviation;
+    const std::vector<float>& shown = show == Show::mean ? maps.mean : maps.deviation;
     return {visible_values(maps, shown, least_column),
             fixed ? *fixed : fitted_scale(values_for_scale(maps, shown), fit)};
 }

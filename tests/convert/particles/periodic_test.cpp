@@ -58,7 +58,12 @@ TEST(periodic, a_particle_at_a_face_is_at_both_and_in_a_corner_at_eight) {
     EXPECT_NEAR(world_mean(model, 1).x, 5.9 - 8, 1e-5);
     EXPECT_EQ(model.density[1], model.density[0]);
     points.position = {{-2, 1, 3}};
-    EXPECT_EQ(convert_points(points, {.radius = 0.25, .periodic = kBox}).size(), 8u);
+    model = convert_points(points, {.radius = 0.25, .periodic = kBox});
+    EXPECT_EQ(model.size(), 8u);
+    const Gaussians one = without_images(model);
+    ASSERT_EQ(one.size(), 1u);
+    EXPECT_EQ(world_mean(one, 0).x, -2);
+    EXPECT_EQ(without_images(convert_points(points, {.radius = 0.25})).size(), 1u);
     points.position = {{2, 5, 7}};
     model = convert_points(points, {.radius = 0.25, .periodic = kBox});
     EXPECT_EQ(model.size(), 1u);

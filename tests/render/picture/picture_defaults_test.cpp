@@ -196,10 +196,10 @@ TEST(picture_defaults, fields_and_labels) {
     EXPECT_EQ(scalar_to_show(fields), &fields.scalar[1]);
     EXPECT_EQ(scalar_to_show(fields, "a"), &fields.scalar[0]);
     EXPECT_EQ(scalar_to_show(fields, "c"), nullptr);
-    EXPECT_EQ(quantity_label("T", ""), "optical depth T");
-    EXPECT_EQ(quantity_label("column", "", "g/cm2"), "column density [g/cm2]");
-    EXPECT_EQ(quantity_label("mean", "heat", "K"), "heat [K]");
-    EXPECT_EQ(quantity_label("maximum", "heat", "K"), "maximum of heat [K]");
+    EXPECT_EQ(quantity_label(Show::depth, ""), "optical depth T");
+    EXPECT_EQ(quantity_label(Show::column, "", "g/cm2"), "column density [g/cm2]");
+    EXPECT_EQ(quantity_label(Show::mean, "heat", "K"), "heat [K]");
+    EXPECT_EQ(quantity_label(Show::maximum, "heat", "K"), "maximum of heat [K]");
 }
 
 }  // namespace vog::test

@@ -234,17 +234,17 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
                : of_part(part, options.progress, linear);
 }
 
-FieldMaps render_field_reference(std::span<const Levels> parts,
-                                 std::span<const std::vector<VoxelField>> fields, FieldPart part,
+FieldMaps render_field_reference(std::span<const Levels* const> parts,
+                                 std::span<const std::span<const VoxelField>> fields, FieldPart part,
                                  const Camera& camera, int width, int height,
                                  const ReferenceOptions& options, const VoxelGridOptions& voxels) {
     std::vector<std::vector<VoxelField>> valued;
     for (std::size_t n = 0; n < parts.size(); ++n)
-        valued.push_back(with_values(parts[n].volumes, fields[n], part));
+        valued.push_back(with_values(parts[n]->volumes, fields[n], part));
     if (voxels.interpolation == Interpolation::constant) {
         std::optional<VisibleParts> all{std::in_place};
         for (std::size_t n = 0; n < parts.size() && all; ++n) {
-            auto one = visible_parts(parts[n], valued[n]);
+            auto one = visible_parts(*parts[n], valued[n]);
             if (!one) {
                 all.reset();
                 break;
@@ -262,16 +262,16 @@ FieldMaps render_field_reference(std::span<const Levels> parts,
     require_no_clip(options);
     return of_part(part, options.progress, [&](FieldPart shown, const Progress& progress) {
         ComponentRanges ranges(shown);
-        for (std::size_t n = 0; n < parts.size(); ++n) ranges.include(parts[n].volumes, valued[n]);
+        for (std::size_t n = 0; n < parts.size(); ++n) ranges.include(parts[n]->volumes, valued[n]);
         const MomentUnits units = ranges.units(processes_of(options));
         std::vector<MomentGrids<LevelGrids>> grids;
         for (std::size_t n = 0; n < parts.size(); ++n) {
             grids.push_back(moment_grids<LevelGrids>(units, [&](int a, int b) {
-                Levels moments{{}, parts[n].masks};
+                Levels moments{{}, parts[n]->masks};
                 // Without masks the active voxels are the domain, which all moments share.
                 for (std::size_t v = 0; v < valued[n].size(); ++v)
                     moments.volumes.push_back(
-                        moment_volume(parts[n].volumes[v], valued[n][v], units, a, b));
+                        moment_volume(parts[n]->volumes[v], valued[n][v], units, a, b));
                 return level_grids(moments, voxels);
             }));
         }
@@ -287,9 +287,9 @@ FieldMaps render_field_reference(std::span<const Levels> parts,
 FieldMaps render_field_reference(const Levels& levels, std::span<const VoxelField> fields,
                                  FieldPart part, const Camera& camera, int width, int height,
                                  const ReferenceOptions& options, const VoxelGridOptions& voxels) {
-    const std::vector<VoxelField> of_levels(fields.begin(), fields.end());
-    return render_field_reference(std::span(&levels, 1), std::span(&of_levels, 1), part, camera,
-                                  width, height, options, voxels);
+    const Levels* const one = &levels;
+    return render_field_reference(std::span(&one, 1), std::span(&fields, 1), part, camera, width,
+                                  height, options, voxels);
 }
 
 }  // namespace vog

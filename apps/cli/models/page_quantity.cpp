@@ -1,24 +1,28 @@
 // page_quantity.cpp: help and evaluation of the options of a page's first quantity.
-#include "values/page_quantity.h"
+#include "models/page_quantity.h"
 
 #include <fmt/core.h>
 
+#include "pictures/picture_request.h"
+#include "pictures/scene_inputs.h"
 #include "shared/validators.h"
-#include "values/value_inputs.h"
-#include "values/value_transfer_run.h"
 #include "vog/field_maps.h"
+#include "vog/periodic.h"
 
 namespace vog::cli {
 
 ValueTransfer stated_transfer(const PageQuantityArguments& arguments, const ColorArguments& color,
-                              const CLI::App& command, const Gaussians& model,
-                              const ScalarField& field, const std::string& input,
+                              const Gaussians& model, const ScalarField& field,
                               std::vector<std::string>& notes) {
-    RenderArguments run;
-    run.color = color;
-    run.quantity = arguments.quantity;
-    run.value = arguments.value;
-    return transfer_of(run, command, input, value_data(model, field), notes).transfer;
+    QuantityArguments quantity = arguments.quantity;
+    quantity.show = word_of(Show::volume);
+    PictureRequest request = picture_request(quantity, color, arguments.value);
+    request.field = field.name;
+    const ResolvedPicture picture = resolve(
+        request, scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)));
+    const std::vector<std::string> lines = transfer_notes(request, picture);
+    notes.insert(notes.end(), lines.begin(), lines.end());
+    return picture.chosen.transfer;
 }
 
 void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
@@ -48,15 +52,17 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments) {
 }
 
 HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
-                           const CLI::App& command, const Gaussians& model,
-                           const std::string& input, std::vector<std::string>& notes) {
+                           const Gaussians& model, const std::string& input,
+                           std::vector<std::string>& notes) {
     HtmlQuantity quantity = stated_quantity(arguments);
+    quantity.look.clip = inside_period(quantity.look.clip, model);
     if (arguments.quantity.maximum())
-        (void)scalar_field_of(model.fields, quantity.field, input, quantity.show);
+        (void)scalar_field_of(model.fields, quantity.field, input, show_named(quantity.show));
     if (!arguments.quantity.volume()) return quantity;
-    const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
+    const ScalarField& field =
+        scalar_field_of(model.fields, quantity.field, input, show_named(quantity.show));
     quantity.field = field.name;
-    quantity.transfer = stated_transfer(arguments, color, command, model, field, input, notes);
+    quantity.transfer = stated_transfer(arguments, color, model, field, notes);
     return quantity;
 }
 

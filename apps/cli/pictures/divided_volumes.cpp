@@ -1,5 +1,5 @@
 // divided_volumes.cpp: visible voxels of parts, and what all ranks know of a field.
-#include "fields/divided_volumes.h"
+#include "pictures/divided_volumes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "shared/render_run.h"
+#include "pictures/scene_inputs.h"
 #include "shared/terminal.h"
 
 namespace vog::cli {

@@ -1,5 +1,5 @@
 // render_run.cpp: one picture from inputs to file, and its report.
-#include "shared/render_run.h"
+#include "pictures/render_run.h"
 
 #include <fmt/core.h>
 
@@ -10,10 +10,8 @@
 
 #include "films/views.h"
 #include "shared/outputs.h"
-#include "shared/terminal.h"
 #include "shared/validators.h"
 #include "vog/error.h"
-#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -40,94 +38,104 @@ void check_arguments(const RenderArguments& arguments, bool writes) {
             "after the render; expected --extinction with a number");
 }
 
-/// Name of the shown quantity: "T", "column density", of particles "mass per area".
-std::string quantity_text(const RenderArguments& arguments, FileKind kind) {
-    if (!arguments.quantity.column()) return "T";
-    if (kind != FileKind::points) return quantity_label("column", "");
-    const std::string& value = arguments.drawing.points.value;
-    return (value.empty() || value == "count" ? "number" : value) + " per area";
-}
-
-/// Scale of the shown quantity.
-ColorScale scale_of(const QuantityArguments& quantity, const DepthImage& depth) {
-    if (!quantity.column()) return {};
-    if (const auto fixed = fixed_scale(quantity)) return *fixed;
-    return automatic_scale({&depth, 1}, quantity.fit());
-}
-
-/// The picture with all that is drawn over it and around it.
-Image pictured(const RenderArguments& arguments, const Drawing& drawing, const Camera& camera,
-               const DepthImage& depth, const TransferFunction& tf, const ColorScale& scale,
-               const std::string& quantity) {
-    const ShadeOptions shading = shading_of(arguments.color);
-    const QuantityArguments& given = arguments.quantity;
-    return annotated_picture(
-        arguments, drawing, camera,
-        scale.kind == ColorScale::Kind::visibility ? shade(depth, tf, shading)
-                                                   : shade_values(depth, tf, scale, shading),
-        tf, scale, with_unit(given.column() ? quantity : quantity_label("T", ""), given.units));
-}
-
-}  // namespace
-
+/// Share of the values above a limit.
 double share_above(std::span<const float> values, double limit) {
     const auto above =
         std::ranges::count_if(values, [&](float value) { return double{value} > limit; });
     return static_cast<double>(above) / static_cast<double>(values.size());
 }
 
-RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& drawing,
-                           const DepthImage& depth, std::vector<double> render_ms,
-                           const Stages& stages, const ColorScale& scale) {
-    RenderedPicture picture;
-    picture.values_output = arguments.quantity.values_output;
-    picture.quantity = quantity_text(arguments, drawing.kind);
-    picture.units = arguments.quantity.units;
-    if (arguments.quantity.column()) {
-        picture.scale = scale;
-        picture.above_range = share_above(depth.depth, scale.high);
+/// Numbers of a picture, for figures: what it shows, of a volume its opacity, and whether a pixel shows anything.
+struct Shown {
+    std::vector<float> opacity;
+    std::span<const float> values;
+    std::size_t covered = 0;
+};
+Shown shown_by(const Picture& picture) {
+    Shown shown;
+    const Sums& sums = picture.sums;
+    const Show show = picture.made.request.show;
+    for (const Rgba& pixel : sums.light) shown.opacity.push_back(pixel.a);
+    shown.values = show == Show::volume ? std::span<const float>(shown.opacity) : picture.values();
+    const std::span<const float> covered = is_field_map(show) ? sums.column : shown.values;
+    shown.covered = static_cast<std::size_t>(std::ranges::count_if(covered, [&](float value) {
+        return show == Show::maximum ? !std::isnan(value) : value > 0;
+    }));
+    return shown;
+}
+
+/// Figures of the numbers of a picture.
+void set_figures(const Picture& picture, RenderedPicture& figures) {
+    const Show show = picture.made.request.show;
+    const Shown shown = shown_by(picture);
+    const auto pixels = static_cast<double>(shown.values.size());
+    double sum = 0, most = -HUGE_VAL;
+    std::size_t count = 0;
+    for (const float value : shown.values) {
+        if (std::isnan(value)) continue;
+        ++count;
+        sum += double{value};
+        most = std::max(most, double{value});
     }
+    figures.mean_t = count ? sum / static_cast<double>(count) : 0;
+    figures.max_t = count ? most : 0;
+    figures.covered = static_cast<double>(shown.covered) / pixels;
+    figures.extinction = picture.extinction;
+    figures.scales = scales_of(picture);
+    if (show == Show::depth) return;
+    figures.scale = picture.scale;
+    if (show != Show::volume) {
+        figures.above_range = share_above(shown.values, picture.scale.high);
+        return;
+    }
+    figures.unit_distance = picture.made.chosen.transfer.unit_distance;
+    figures.mean_opacity = shown.covered ? sum / static_cast<double>(shown.covered) : 0;
+}
+
+/// Figures of a picture, and notes on it.
+RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& inputs,
+                           const Picture& drawn, const DrawReport& report,
+                           std::vector<double> render_ms, const Stages& stages) {
+    RenderedPicture picture;
+    set_figures(drawn, picture);
     picture.output = arguments.output;
     picture.depth_output = arguments.depth_output;
-    picture.renderer = info_of(drawing.renderer).name;
-    picture.primitives_text = drawing.primitives_text;
-    picture.width = depth.width;
-    picture.height = depth.height;
-    picture.gaussians = drawing.gaussians;
-    picture.active_voxels = drawing.active_voxels;
+    picture.values_output = arguments.quantity.values_output;
+    picture.quantity = drawn.made.name;
+    picture.units = drawn.made.unit;
+    picture.renderer = info_of(*drawn.made.request.renderer).name;
+    picture.primitives_text = inputs.primitives_text;
+    picture.width = drawn.sums.width;
+    picture.height = drawn.sums.height;
+    picture.camera = drawn.made.camera();
+    picture.gaussians = inputs.gaussians;
+    picture.active_voxels = inputs.active_voxels;
     picture.threads = thread_count();
-    picture.extinction = depth.extinction;
-    std::size_t covered = 0;
-    double sum = 0;
-    for (const float t : depth.depth) {
-        covered += t > 0;
-        sum += t;
-        picture.max_t = std::max(picture.max_t, double{t});
-    }
-    const auto pixels = static_cast<double>(depth.depth.size());
-    picture.covered = static_cast<double>(covered) / pixels;
-    picture.mean_t = sum / pixels;
     std::ranges::sort(render_ms);
     picture.render_ms = std::move(render_ms);
-    picture.cut = drawing.cut();
+    picture.cut = report.cut;
+    picture.traced = report.traced;
+    picture.gpu_ms = report.gpu_ms;
     if (arguments.drawing.site_view) picture.site = *arguments.drawing.site_view->report;
-    picture.traced = drawing.traced();
-    picture.gpu_ms = drawing.gpu_ms();
     picture.stage_ms = stages.times();
     picture.peak_memory = peak_memory();
-    picture.notes = drawing.notes;
+    picture.notes = inputs.notes;
     // A ray in a thousand: a single object fills a hundredth of a fitted view, however thin.
-    if (covered < depth.depth.size() / 1000 && drawing.gaussians + drawing.active_voxels > 0) {
-        const std::string input = arguments.drawing.inputs.front();
+    const auto pixels =
+        static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
+    const auto covered = static_cast<std::size_t>(std::lround(picture.covered * double(pixels)));
+    if (covered < pixels / 1000 && inputs.gaussians + inputs.active_voxels > 0) {
         picture.notes.push_back(fmt::format(
             "{}: {} of {} pixels show anything: the parts of the data are smaller than pixels, or "
             "outside the view; --look-at, --distance and --orthographic --width choose another",
-            input, count_text(covered), count_text(depth.depth.size())));
+            arguments.drawing.inputs.front(), count_text(covered), count_text(pixels)));
         print_notes({picture.notes.back()});
     }
     return picture;
 }
 
+/// Draws once, or as --repeat states.
+/// returns  times, ms, of which there is at least one
 std::vector<double> timed(const RenderArguments& arguments, const std::function<void()>& draw) {
     // With --repeat N: one warm-up that is not timed, then N timed renders.
     std::vector<double> render_ms;
@@ -137,6 +145,23 @@ std::vector<double> timed(const RenderArguments& arguments, const std::function<
         if (n >= 0) render_ms.push_back(milliseconds_since(start));
     }
     return render_ms;
+}
+
+/// Writes the files of one picture.
+void save(const RenderArguments& arguments, const Picture& picture, Stages& stages) {
+    if (!arguments.output.empty())
+        stages.run("save", [&] { save_picture(arguments, picture.image); });
+    if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth());
+    if (!arguments.quantity.values_output.empty())
+        write_numbers(arguments.quantity.values_output, picture);
+    if (!arguments.view.save_camera.empty())
+        write_camera(arguments.view.save_camera, picture.made.camera());
+}
+
+}  // namespace
+
+Box outline_of(const Subject& subject) {
+    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
 }
 
 double RenderedPicture::median_ms() const {
@@ -285,18 +310,6 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
 
 namespace {
 
-/// throws  vog::Error with the input's name where T is not finite
-void require_finite(const DepthImage& image, const std::string& input) {
-    const auto found = std::ranges::find_if(image.depth, [](float t) { return !std::isfinite(t); });
-    if (found == image.depth.end()) return;
-    const auto pixel = found - image.depth.begin();
-    throw Error(
-        fmt::format("{}: optical depth {} at pixel ({}, {}), expected at most {:.2g}, the largest "
-                    "32-bit float: other units of values or of length",
-                    input, *found, pixel % image.width, pixel / image.width,
-                    std::numeric_limits<float>::max()));
-}
-
 /// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
 RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
                         const RenderRanks& ranks) {
@@ -309,7 +322,7 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
                                       static_cast<double>(size.width) / size.height);
     // Nodes have means of values, below the largest ones.
-    const double pixel_error = arguments.quantity.maximum() ? 0 : 1;
+    const double pixel_error = arguments.quantity.show == "maximum" ? 0 : 1;
     arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
                                    arguments.drawing.pixel_error.value_or(pixel_error)};
     // The chunks are the cut.
@@ -317,59 +330,62 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     return arguments;
 }
 
-}  // namespace
-
-std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App& command,
-                                    const RenderRanks& ranks) {
+std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const CLI::App& command,
+                                             const RenderRanks& ranks) {
     check_arguments(given, ranks.is_root);
-    RenderArguments arguments = of_view(given, command, ranks);
-    if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
-    if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);
-    if (arguments.quantity.maximum()) return render_maximum(arguments, command, ranks);
+    const RenderArguments arguments = of_view(given, command, ranks);
     const Size size = parse_size(arguments.size);
-    const std::optional<double> extinction = fixed_extinction(arguments.color);
-    const TransferFunction tf = load_transfer_function(arguments.color.tf);
-    (void)shading_of(arguments.color);  // checks --background
+    PictureRequest request = picture_request(arguments.quantity, arguments.color, arguments.value);
+    request.width = size.width, request.height = size.height;
+    const double extinction = request.options.trace.extinction;
+    request.options = render_options(arguments.drawing);
+    request.options.trace.extinction = extinction;
+    request.renderer =
+        renderer_of(arguments.drawing,
+                    common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid), command);
+    if (arguments.shared) share(*arguments.shared, request);
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
-
-    const std::string stated = arguments.quantity.column() ? column_unit(head_of(arguments)) : "";
-    const double factor = units_factor(stated, arguments.quantity.units);
-    if (arguments.quantity.units.empty()) arguments.quantity.units = stated;
-    const Drawing drawing =
-        stages.run("load", [&] { return ranks.load(arguments.drawing, extinction, command); });
+    SceneInputs inputs =
+        stages.run("load", [&] { return load_scene(arguments.drawing, request, ranks); });
+    if (!inputs.field.empty()) request.field = inputs.field;
+    if (arguments.subject) inputs.scene.subject = *arguments.subject;
+    PictureRenderer renderer(inputs.scene);
+    ResolvedPicture picture = resolve(request, inputs.scene);
+    if (request.show == Show::volume && ranks.is_root) {
+        const std::vector<std::string> notes = transfer_notes(request, picture);
+        print_notes(notes);
+        inputs.notes.insert(inputs.notes.end(), notes.begin(), notes.end());
+    }
+    Sums sums;
     const auto draw = [&](const RenderArguments& one,
                           const Camera& camera) -> std::optional<RenderedPicture> {
+        picture.request.camera = camera;
+        if (one.shared) share(*one.shared, picture.request);
         const Progress progress = one.repeat ? Progress{} : stages.progress();
-        DepthImage depth;
-        std::vector<double> render_ms = stages.run("render", [&] {
-            return timed(one, [&] { drawing.draw(camera, size, progress, depth); });
-        });
+        std::vector<double> render_ms = stages.run(
+            "render", [&] { return timed(one, [&] { renderer.draw(picture, sums, progress); }); });
         if (!ranks.is_root) return std::nullopt;
-        require_finite(depth, one.drawing.inputs.front());
-        if (factor != 1)
-            for (float& t : depth.depth) t = static_cast<float>(factor * double{t});
-        // Column density is T at extinction 1.
-        const std::optional<double> fixed = fixed_extinction(one.color);
-        set_extinction(depth, one.quantity.column() ? 1 : fixed ? *fixed : auto_extinction(depth));
-        const ColorScale scale = scale_of(one.quantity, depth);
-
-        if (!one.output.empty()) {
-            const std::string quantity = quantity_text(one, drawing.kind);
-            const Image image = stages.run("shade", [&] {
-                return pictured(one, drawing, camera, depth, tf, scale, quantity);
-            });
-            stages.run("save", [&] { save_picture(one, image); });
-        }
-        if (!one.depth_output.empty()) write_exr(one.depth_output, depth);
-        if (!one.quantity.values_output.empty()) write_values(one.quantity.values_output, depth);
-        if (!one.view.save_camera.empty()) write_camera(one.view.save_camera, camera);
-        RenderedPicture picture =
-            figures_of(one, drawing, depth, std::move(render_ms), stages, scale);
-        picture.camera = camera;
-        return picture;
+        Picture finished =
+            stages.run("shade", [&] { return finish(std::move(sums), picture, inputs.scene); });
+        save(one, finished, stages);
+        RenderedPicture figures =
+            figures_of(one, inputs, finished, ranks.divided() ? DrawReport{} : renderer.report(),
+                       std::move(render_ms), stages);
+        sums = std::move(finished.sums);
+        return figures;
     };
-    return render_views(arguments, command, drawing.subject, size, draw);
+    return render_views(arguments, command, inputs.scene.subject, draw);
+}
+
+}  // namespace
+
+std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+                                    const RenderRanks& ranks) try {
+    return render_pictures(arguments, command, ranks);
+} catch (const RequestError& error) {
+    const std::string option = error.member() == "unit" ? "units" : error.member();
+    throw CLI::ValidationError("--" + option + error.text());
 }
 
 }  // namespace vog::cli

@@ -8,7 +8,7 @@
 #include "options/color_options.h"
 #include "options/quantity_options.h"
 #include "options/value_options.h"
-#include "shared/drawing.h"
+#include "pictures/drawing_options.h"
 #include "vog/export_html.h"
 
 namespace vog::cli {
@@ -26,17 +26,16 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
 /// throws  CLI::ValidationError as `vog render` does for such options
 HtmlQuantity stated_quantity(const PageQuantityArguments& arguments);
 /// Transfer function of a model's scalar field, found as `vog render --show volume` finds it.
-/// input     file of the model, for messages
 /// notes     receives what was chosen
 /// throws    CLI::ValidationError and vog::Error as `vog render` does for such options
 ValueTransfer stated_transfer(const PageQuantityArguments& arguments, const ColorArguments& color,
-                              const CLI::App& command, const Gaussians& model,
-                              const ScalarField& field, const std::string& input,
+                              const Gaussians& model, const ScalarField& field,
                               std::vector<std::string>& notes);
 
 /// Quantity of a page's first model: both.
+/// input     file of the model, for messages
 HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
-                           const CLI::App& command, const Gaussians& model,
-                           const std::string& input, std::vector<std::string>& notes);
+                           const Gaussians& model, const std::string& input,
+                           std::vector<std::string>& notes);
 
 }  // namespace vog::cli

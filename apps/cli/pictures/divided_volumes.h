@@ -20,10 +20,11 @@ struct DividedVolumes {
     std::vector<VolumeSet> sets;
     std::vector<VolumeSet> beside;  ///< [sets] voxels beside those parts, likewise; empty: not read
     // The same on every rank.
-    std::size_t volumes = 0;         ///< of the whole
-    Subject subject;                 ///< of the whole
-    std::vector<std::string> notes;  ///< printed already
-    std::exception_ptr failure{};    ///< of any rank, by which all have failed
+    std::size_t volumes = 0;          ///< of the whole
+    std::uint64_t active_voxels = 0;  ///< of the whole, as stored
+    Subject subject;                  ///< of the whole
+    std::vector<std::string> notes;   ///< printed already
+    std::exception_ptr failure{};     ///< of any rank, by which all have failed
 };
 
 /// Volumes of this rank that do not hide each other, with a field at their voxels.

@@ -1,13 +1,10 @@
-// drawing.cpp: Reads the inputs of vog render and prepares a renderer for them.
-#include "shared/drawing.h"
+// drawing_options.cpp: help, checks and evaluation of the options of renderers.
+#include "pictures/drawing_options.h"
 
 #include <fmt/format.h>
 
-#include "shared/terminal.h"
 #include "shared/validators.h"
-#include "vog/convert_points.h"
 #include "vog/error.h"
-#include "vog/periodic.h"
 
 namespace vog::cli {
 
@@ -39,31 +36,6 @@ void check_renderer_options(Renderer renderer, FileKind kind, const CLI::App& co
     } catch (const Error& error) {
         throw CLI::ValidationError(error.what());
     }
-}
-
-RenderOptions render_options(const DrawingArguments& arguments, std::optional<double> extinction) {
-    RenderOptions options;
-    options.aabb_sigma = arguments.aabb_sigma;
-    options.kappa = arguments.kappa;
-    options.pixel_error = arguments.pixel_error;
-    options.trace.anyhit = arguments.anyhit == "collect" ? AnyHit::collect : AnyHit::accumulate;
-    options.trace.hits_per_slab = arguments.hits_per_slab;
-    options.trace.stop_transmittance = arguments.stop_transmittance;
-    if (extinction) options.trace.extinction = *extinction;
-    options.voxels.interpolation =
-        arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant;
-    options.voxels.step_voxels = arguments.step_voxels;
-    options.samples = arguments.samples;
-    options.clip = clip_of(arguments);
-    return options;
-}
-
-void draw_by(std::shared_ptr<DepthRenderer> renderer, Drawing& drawing) {
-    drawing.reports = renderer;
-    drawing.draw = [renderer](const Camera& camera, Size size, const Progress& progress,
-                              DepthImage& depth) {
-        renderer->render(camera, size.width, size.height, depth, progress);
-    };
 }
 
 /// "splat", "trace", ...
@@ -191,93 +163,37 @@ Clipping clip_of(const ClipArguments& arguments) {
     return clip;
 }
 
-Clipping clip_of(const ClipArguments& arguments, const Gaussians& model) {
-    return inside_period(clip_of(arguments), model);
+RenderOptions render_options(const DrawingArguments& arguments) {
+    RenderOptions options;
+    options.aabb_sigma = arguments.aabb_sigma;
+    options.kappa = arguments.kappa;
+    options.pixel_error = arguments.pixel_error;
+    options.trace.anyhit = arguments.anyhit == "collect" ? AnyHit::collect : AnyHit::accumulate;
+    options.trace.hits_per_slab = arguments.hits_per_slab;
+    options.trace.stop_transmittance = arguments.stop_transmittance;
+    options.voxels.interpolation =
+        arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant;
+    options.voxels.step_voxels = arguments.step_voxels;
+    options.samples = arguments.samples;
+    options.clip = clip_of(arguments);
+    return options;
 }
 
-void set_primitives_text(Drawing& drawing, std::size_t levels) {
-    if (drawing.kind != FileKind::volume) {
-        drawing.primitives_text = count_text(drawing.gaussians) + " Gaussians";
-        return;
-    }
-    drawing.primitives_text = count_text(drawing.active_voxels) + " voxels";
-    if (levels) drawing.primitives_text += fmt::format(" in {} levels", levels);
-}
-
-std::optional<CutReport> Drawing::cut() const { return reports ? reports->cut() : std::nullopt; }
-std::optional<TraceReport> Drawing::traced() const {
-    return reports ? reports->traced() : std::nullopt;
-}
-std::optional<double> Drawing::gpu_ms() const {
-    if (picture_ms) return picture_ms();
-    return reports ? reports->gpu_ms() : std::nullopt;
-}
-
-void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing) {
-    for (const Volume& volume : set.volumes) drawing.active_voxels += active_voxels(volume);
-    drawing.subject = subject_of(set.volumes);
-    set_primitives_text(drawing, set.is_mesh() ? set.volumes.size() : 0);
-    draw_by(std::make_shared<DepthRenderer>(drawing.renderer, set, render_options(arguments, {})),
-            drawing);
-}
-
-void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
-                const std::shared_ptr<Gaussians>& model,
-                const std::shared_ptr<Hierarchy>& hierarchy, Drawing& drawing) {
-    drawing.subject = subject_of(*model);
-    drawing.gaussians = model->size();
-    set_primitives_text(drawing, 0);
-    // A model without a hierarchy gets one where --pixel-error is given.
-    if (hierarchy->empty() && arguments.pixel_error) *hierarchy = build_hierarchy(*model);
-    RenderOptions options = render_options(arguments, extinction);
-    options.clip = clip_of(arguments, *model);
-    draw_by(std::make_shared<DepthRenderer>(drawing.renderer, model, options, hierarchy), drawing);
-}
-
-Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command) {
-    Drawing drawing;
-    drawing.kind = common_kind(arguments.inputs, arguments.volume.grid);
+Renderer renderer_of(const DrawingArguments& arguments, FileKind kind, const CLI::App& command) {
     const std::string& input = arguments.inputs.front();
-    const bool volumes = drawing.kind == FileKind::volume;
-    drawing.renderer = !arguments.renderer.empty() ? renderer_named(arguments.renderer)
-                       : volumes                   ? Renderer::reference
-                                                   : Renderer::splat;
-    check_renderer_options(drawing.renderer, drawing.kind, command);
-    if (volumes && !draws(drawing.renderer, RenderInput::volumes))
+    const bool volumes = kind == FileKind::volume;
+    const Renderer renderer = !arguments.renderer.empty() ? renderer_named(arguments.renderer)
+                              : volumes                   ? Renderer::reference
+                                                          : Renderer::splat;
+    check_renderer_options(renderer, kind, command);
+    if (volumes && !draws(renderer, RenderInput::volumes))
         throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
                                 input, input));
-    if (!volumes && !draws(drawing.renderer, RenderInput::gaussians))
+    if (!volumes && !draws(renderer, RenderInput::gaussians))
         throw Error(fmt::format("{}: holds {}; the {} renders volumes", input,
-                                drawing.kind == FileKind::model ? "a model" : "particles",
-                                info_of(drawing.renderer).name));
-    return drawing;
-}
-
-Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> extinction,
-                     const CLI::App& command) {
-    Drawing drawing = begin_drawing(arguments, command);
-    if (drawing.kind == FileKind::volume) {
-        const LoadedVolumes loaded = load_volumes(arguments.inputs, arguments.volume);
-        drawing.notes = loaded.notes;
-        draw_volumes(arguments, loaded, drawing);
-        print_notes(drawing.notes);
-        return drawing;
-    }
-    // Particles become one Gaussian each, without a file between.
-    auto hierarchy = std::make_shared<Hierarchy>();
-    auto model = std::make_shared<Gaussians>(
-        drawing.kind == FileKind::points
-            ? convert_points(
-                  load_points(arguments.inputs, arguments.points, arguments.volume, drawing.notes),
-                  point_options(arguments.points))
-            : load_models(arguments.inputs,
-                          drawing.renderer == Renderer::splat || arguments.pixel_error
-                              ? hierarchy.get()
-                              : nullptr,
-                          arguments.site_view, arguments.volume.values));
-    draw_model(arguments, extinction, model, hierarchy, drawing);
-    print_notes(drawing.notes);
-    return drawing;
+                                kind == FileKind::model ? "a model" : "particles",
+                                info_of(renderer).name));
+    return renderer;
 }
 
 }  // namespace vog::cli

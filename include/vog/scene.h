@@ -1,0 +1,69 @@
+// vog/scene.h: Data of pictures: models or voxels with their fields, shared and unchanged while pictures are made.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "vog/gaussians.h"
+#include "vog/levels.h"
+#include "vog/lod.h"
+#include "vog/subject.h"
+#include "vog/voxel_field.h"
+
+namespace vog {
+
+struct Collective;
+
+/// Model, with levels of detail.
+struct ModelSource {
+    std::shared_ptr<const Gaussians> model;
+    std::shared_ptr<const Hierarchy> hierarchy{};  ///< the model's; null or empty: none
+};
+
+/// Field at the voxels of a source.
+struct SampledField {
+    std::string name, unit;          ///< the same in all processes; unit may be empty
+    bool is_vector = false;          ///< whether it has three components
+    std::vector<VoxelField> values;  ///< [volumes]; one without values: the volumes' own
+};
+
+/// Voxels: volumes that add up, or levels of a mesh. Volumes and maxima are drawn of parts that do not hide each other
+/// (visible_parts).
+struct VoxelSource {
+    std::shared_ptr<const VolumeSet> volumes;
+    std::vector<SampledField> fields;
+    // For several processes that share them, as OtherVoxels (vog/volume_picture.h) has it.
+    bool overlap = true;
+    std::vector<Volume> beside{};            ///< [volumes], or none
+    std::vector<VoxelField> beside_field{};  ///< [beside]
+};
+
+using Source = std::variant<ModelSource, VoxelSource>;
+
+/// Data of a picture.
+struct Scene {
+    std::vector<Source>
+        sources;  ///< at least one, all of one kind; depths, columns, means and deviations are of their sum,
+                  ///< other quantities are of one source
+    Subject subject{};                         ///< part that views frame
+    std::string name{};                        ///< "smoke.vdb", for messages; may be empty
+    std::string column = "column density";     ///< name of columns; "number per area" for particles
+    std::string column_unit{}, length_unit{};  ///< as the data state them; empty: not known
+    /// Processes that hold parts of the data and draw the same pictures, which are complete on the root. Null: one process.
+    const Collective* collective = nullptr;
+
+    bool has_voxels() const { return std::holds_alternative<VoxelSource>(sources.front()); }
+    const ModelSource& model() const { return std::get<ModelSource>(sources.front()); }
+    const VoxelSource& voxels() const { return std::get<VoxelSource>(sources.front()); }
+};
+
+/// Scene of a model, or of volumes with their own values as their field.
+Scene scene_of(Gaussians model);
+Scene scene_of(Volume volume);
+Scene scene_of(std::shared_ptr<const Gaussians> model,
+               std::shared_ptr<const Hierarchy> hierarchy = nullptr);
+Scene scene_of(std::shared_ptr<const VolumeSet> volumes);
+
+}  // namespace vog

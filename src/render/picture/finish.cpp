@@ -1,0 +1,208 @@
+// finish.cpp: colours, scales and marks of drawn numbers.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vog/error.h"
+#include "vog/picture.h"
+
+namespace vog {
+
+namespace {
+
+/// throws  vog::Error where a number is beyond the range of floats
+void require_finite(const Sums& sums, Show show, const Scene& scene) {
+    const std::string name = scene.name.empty() ? "" : scene.name + ": ";
+    const auto beyond = [](float value) { return std::isinf(value); };
+    if (is_field_map(show)) {
+        for (const auto* plane : {&sums.column, &sums.mean, &sums.deviation})
+            if (std::ranges::any_of(*plane, beyond))
+                throw Error(name +
+                            "a column or a value of the field beyond the range of 32-bit floats: "
+                            "other units of values or of length");
+        return;
+    }
+    const auto found = std::ranges::find_if(sums.column, [](float t) { return !std::isfinite(t); });
+    if (found == sums.column.end()) return;
+    const auto pixel = found - sums.column.begin();
+    throw Error(fmt::format(
+        "{}optical depth {} at pixel ({}, {}), expected at most {:.2g}, the "
+        "largest 32-bit float: other units of values or of length",
+        name, *found, pixel % sums.width, pixel / sums.width, std::numeric_limits<float>::max()));
+}
+
+void multiply(std::vector<float>& plane, double factor) {
+    if (factor == 1) return;
+    for (float& value : plane) value = static_cast<float>(factor * double{value});
+}
+
+/// The stated range with its kind; nothing: open.
+std::optional<ColorScale> stated_scale(const PictureRequest& request) {
+    if (!request.transfer.range) return std::nullopt;
+    return ColorScale{
+        request.fit == ScaleFit::log ? ColorScale::Kind::log : ColorScale::Kind::linear,
+        request.transfer.range->first, request.transfer.range->second};
+}
+
+/// Colours and opacities over the range of a volume, as a colour bar takes them.
+TransferFunction bar_of(const ChosenTransfer& chosen) {
+    constexpr std::size_t kSteps = 1024;  // pixels of a bar, about
+    std::vector<Rgba> colors;
+    const auto& [kind, low, high] = chosen.scale;
+    for (std::size_t n = 0; n <= kSteps; ++n) {
+        const double share = static_cast<double>(n) / kSteps;
+        const double value = kind == ColorScale::Kind::log ? low * std::pow(high / low, share)
+                                                           : std::lerp(low, high, share);
+        const ValueLight light = light_of(chosen.transfer, value);
+        const double opacity = -std::expm1(-light.extinction * chosen.transfer.unit_distance);
+        colors.push_back({static_cast<float>(light.r), static_cast<float>(light.g),
+                          static_cast<float>(light.b), static_cast<float>(opacity)});
+    }
+    return sampled_transfer_function(chosen.transfer.name, colors);
+}
+
+/// A plane of drawn numbers as an image that gives it back.
+class AsDepth {
+  public:
+    AsDepth(std::vector<float>& plane, int width, int height) : plane_(plane) {
+        image.width = width, image.height = height;
+        image.depth = std::move(plane);
+    }
+    ~AsDepth() { plane_ = std::move(image.depth); }
+    AsDepth(const AsDepth&) = delete;
+    AsDepth& operator=(const AsDepth&) = delete;
+    DepthImage image;
+
+  private:
+    std::vector<float>& plane_;
+};
+
+/// T or a column: sets its extinction and colours it.
+void color_depth(Picture& picture) {
+    const PictureRequest& request = picture.made.request;
+    AsDepth depth(picture.sums.column, picture.sums.width, picture.sums.height);
+    const TransferFunction& colors = picture.made.colors;
+    if (request.show == Show::depth) {
+        set_extinction(depth.image,
+                       request.extinction ? *request.extinction : auto_extinction(depth.image));
+        picture.extinction = depth.image.extinction;
+        picture.image = shade(depth.image, colors, request.shading);
+        return;
+    }
+    const auto stated = stated_scale(request);
+    picture.scale = stated ? *stated : automatic_scale({&depth.image, 1}, request.fit);
+    picture.image = shade_values(depth.image, colors, picture.scale, request.shading);
+}
+
+void color_map(Picture& picture) {
+    const PictureRequest& request = picture.made.request;
+    Sums& sums = picture.sums;
+    const auto stated = stated_scale(request);
+    ColoredMap colored;
+    if (request.show == Show::maximum) {
+        colored = {{sums.width, sums.height, sums.maximum},
+                   stated ? *stated : fitted_scale(sums.maximum, request.fit)};
+    } else {
+        FieldMaps maps{sums.width, sums.height, std::move(sums.column), std::move(sums.mean),
+                       std::move(sums.deviation)};
+        colored = colored_map(maps, request.show, request.fit, stated, request.least_column);
+        sums.column = std::move(maps.column);
+        sums.mean = std::move(maps.mean), sums.deviation = std::move(maps.deviation);
+    }
+    picture.scale = colored.scale;
+    picture.image = shade_map(colored.shown, picture.made.colors, colored.scale, request.shading);
+}
+
+/// Draws the marks over and around the picture.
+void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) {
+    const ResolvedPicture& made = picture.made;
+    const Marks& marks = made.request.marks;
+    const Rgba background = made.request.shading.background;
+    const Box& voxels = scene.subject.content.voxels;
+    if (marks.axes || marks.scale_bar)
+        draw_frame(picture.image,
+                   {made.camera(), voxels.empty() ? scene.subject.box : voxels, scene.length_unit,
+                    marks.axes, marks.scale_bar},
+                   background);
+    if (!marks.color_bar && marks.title.empty()) return;
+    const Show show = made.request.show;
+    const std::string label = show == Show::depth ? quantity_label(show, {}, made.unit)
+                              : show == Show::volume
+                                  ? quantity_label(show, made.field.field, made.unit)
+                                  : with_unit(made.name, made.unit);
+    Annotation around{marks.title, label, marks.color_bar};
+    if (marks.color_bar)
+        around.sides =
+            side_ticks(made.camera(), picture.image.width, picture.image.height, scene.length_unit);
+    picture.image = annotated(picture.image, colors, picture.scale, around, background);
+}
+
+}  // namespace
+
+std::span<const float> Picture::values() const {
+    switch (made.request.show) {
+        case Show::mean:
+            return sums.mean;
+        case Show::deviation:
+            return sums.deviation;
+        case Show::maximum:
+            return sums.maximum;
+        default:
+            return sums.column;
+    }
+}
+
+DepthImage Picture::depth() const {
+    DepthImage depth_image(sums.width, sums.height);
+    depth_image.depth = sums.column;
+    depth_image.extinction = extinction;
+    return depth_image;
+}
+
+Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
+    const Show show = picture.request.show;
+    require_finite(sums, show, scene);
+    Picture finished{{}, std::move(sums), {}, 1, picture};
+    Sums& own = finished.sums;
+    if (show == Show::column) multiply(own.column, picture.factor);
+    for (std::vector<float>* plane : {&own.mean, &own.deviation, &own.maximum})
+        multiply(*plane, picture.factor);
+    TransferFunction colors = picture.colors;
+    if (show == Show::volume) {
+        VolumeImage light{own.width, own.height, std::move(own.light)};
+        finished.image = over(light, picture.request.shading.background);
+        own.light = std::move(light.pixel);
+        finished.scale = picture.chosen.scale;
+        if (picture.request.marks.color_bar) colors = bar_of(picture.chosen);
+    } else if (show == Show::depth || show == Show::column) {
+        color_depth(finished);
+    } else {
+        color_map(finished);
+    }
+    if (picture.request.marks.any()) mark(finished, colors, scene);
+    return finished;
+}
+
+void write_numbers(const std::filesystem::path& file, const Picture& picture) {
+    const Sums& sums = picture.sums;
+    const Show show = picture.made.request.show;
+    if (show == Show::volume) throw Error("a volume picture has colours, no numbers");
+    const bool exr = file.extension() == ".exr";
+    if (show == Show::depth || show == Show::column) {
+        write_values(file, picture.depth());
+    } else if (exr && show == Show::maximum) {
+        const NamedValues channels[] = {{"maximum", sums.maximum}};
+        write_channels(file, sums.width, sums.height, channels);
+    } else if (exr) {
+        const NamedValues channels[] = {
+            {"column", sums.column}, {"mean", sums.mean}, {"deviation", sums.deviation}};
+        write_channels(file, sums.width, sums.height, channels);
+    } else {
+        const std::span<const float> values = picture.values();
+        write_map(file, {sums.width, sums.height, {values.begin(), values.end()}});
+    }
+}
+
+}  // namespace vog

@@ -1,0 +1,135 @@
+// picture_renderer.cpp: PictureRenderer: the renderer of a request, prepared for its scene.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+
+#include "render/picture/source_renderer.h"
+#include "vog/clip.h"
+#include "vog/distributed.h"
+#include "vog/error.h"
+#include "vog/periodic.h"
+
+namespace vog {
+
+using namespace pictures;
+
+namespace {
+
+/// Options that a renderer's preparation depends on.
+struct Prepared {
+    double aabb_sigma, kappa, step_voxels;
+    Interpolation interpolation;
+    friend auto operator<=>(const Prepared&, const Prepared&) = default;
+};
+
+/// throws  vog::Error for options that clipped T of models does not have
+void require_clippable(const RenderOptions& options) {
+    const auto refuse = [](const char* what) {
+        throw Error(fmt::format("a clip of Gaussians with {}, expected one of them", what));
+    };
+    if (options.aabb_sigma != 0) refuse("bounding boxes");
+    if (options.pixel_error) refuse("a largest error of nodes");
+    if (options.trace.stop_transmittance > 0) refuse("an end of rays by transmittance");
+    if (options.trace.anyhit == AnyHit::collect) refuse("collected hits");
+    if (options.samples != 1) refuse("several rays a pixel");
+}
+
+}  // namespace
+
+struct PictureRenderer::State {
+    Scene scene;
+    std::map<std::pair<Renderer, Prepared>, std::unique_ptr<SourceRenderer>> by;
+    DrawReport report;
+
+    bool several() const { return scene.collective && scene.collective->several(); }
+
+    std::unique_ptr<SourceRenderer> made(Renderer renderer, const RenderOptions& options) const {
+        const Collective* processes = several() ? scene.collective : nullptr;
+        if (scene.has_voxels()) {
+            if (renderer == Renderer::optix) return gpu_voxel_pictures(scene.voxels());
+            std::vector<VoxelSource> sources;
+            for (const Source& source : scene.sources)
+                sources.push_back(std::get<VoxelSource>(source));
+            return reference_pictures(std::move(sources), options, processes);
+        }
+        switch (renderer) {
+            case Renderer::splat:
+                return splat_pictures(scene.model(), options, processes);
+            case Renderer::trace:
+                return trace_pictures(scene.model(), options);
+            default:
+                return gpu_pictures(renderer, scene.model(), options);
+        }
+    }
+
+    /// The renderer of a request. Another one for other options replaces it.
+    SourceRenderer& prepared(const PictureRequest& request) {
+        const RenderOptions& options = request.options;
+        const std::pair key{*request.renderer,
+                            Prepared{options.aabb_sigma, options.kappa, options.voxels.step_voxels,
+                                     options.voxels.interpolation}};
+        auto found = by.find(key);
+        if (found == by.end()) {
+            std::erase_if(by, [&](const auto& one) { return one.first.first == key.first; });
+            found = by.emplace(key, made(key.first, options)).first;
+        }
+        return *found->second;
+    }
+
+    void draw_joint(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
+        SourceRenderer& renderer = prepared(picture.request);
+        const Show show = picture.request.show;
+        const bool depth = show == Show::depth || show == Show::column;
+        if (is_field_map(show) && several() && !scene.has_voxels()) {
+            sums.width = picture.request.width, sums.height = picture.request.height;
+            SourceRenderer::take(joint_maps(picture.field, *scene.collective,
+                                            [&](const FieldChoice& choice) {
+                                                return renderer.fields(picture, choice, progress);
+                                            }),
+                                 sums);
+            return;
+        }
+        if (depth && !scene.has_voxels() && scene.model().model->size() == 0) {
+            sums.width = picture.request.width, sums.height = picture.request.height;
+            sums.column.assign(DepthImage(sums.width, sums.height).depth.size(), 0);
+        } else {
+            renderer.draw(picture, sums, progress);
+        }
+        if (depth && several()) sum_over(sums.column, *scene.collective);
+    }
+};
+
+PictureRenderer::PictureRenderer(Scene scene)
+    : state_(std::make_unique<State>(State{std::move(scene), {}, {}})) {}
+PictureRenderer::~PictureRenderer() = default;
+PictureRenderer::PictureRenderer(PictureRenderer&&) noexcept = default;
+PictureRenderer& PictureRenderer::operator=(PictureRenderer&&) noexcept = default;
+
+const Scene& PictureRenderer::scene() const { return state_->scene; }
+const DrawReport& PictureRenderer::report() const { return state_->report; }
+
+void PictureRenderer::draw(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
+    const Scene& scene = state_->scene;
+    const PictureRequest& request = picture.request;
+    validate(request.options.clip);
+    if (scene.has_voxels()) {
+        state_->draw_joint(picture, sums, progress);
+    } else {
+        const bool depth = request.show == Show::depth || request.show == Show::column;
+        if (depth && !request.options.clip.empty()) require_clippable(request.options);
+        ResolvedPicture inside = picture;
+        inside.request.options.clip = inside_period(request.options.clip, *scene.model().model);
+        state_->draw_joint(inside, sums, progress);
+    }
+    state_->report = state_->prepared(request).report;
+}
+
+Picture render(const Scene& scene, const PictureRequest& request) {
+    const ResolvedPicture picture = resolve(request, scene);
+    Sums sums;
+    PictureRenderer(scene).draw(picture, sums);
+    return finish(std::move(sums), picture, scene);
+}
+
+}  // namespace vog

@@ -1,0 +1,126 @@
+// reference_pictures.cpp: pictures of voxels by the reference.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "render/picture/source_renderer.h"
+#include "vog/error.h"
+#include "vog/maximum_picture.h"
+#include "vog/reference.h"
+
+namespace vog::pictures {
+
+namespace {
+
+class ReferencePictures : public SourceRenderer {
+  public:
+    ReferencePictures(std::vector<VoxelSource> sources, const RenderOptions& options,
+                      const Collective* processes)
+        : sources_(std::move(sources)), voxels_(options.voxels), processes_(processes) {}
+
+    FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
+                     const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        const ReferenceOptions options = reference_options(request, progress);
+        if (!sources_.front().volumes->is_mesh())
+            return render_field_reference(volumes(), values(sources_.front(), choice.field),
+                                          choice.part, picture.camera(), request.width,
+                                          request.height, options, voxels_);
+        std::vector<const Levels*> levels;
+        std::vector<std::span<const VoxelField>> fields;
+        for (const VoxelSource& source : sources_) {
+            levels.push_back(source.volumes.get());
+            fields.push_back(values(source, choice.field));
+        }
+        return render_field_reference(levels, fields, choice.part, picture.camera(), request.width,
+                                      request.height, options, voxels_);
+    }
+
+  protected:
+    void depth(const ResolvedPicture& picture, DepthImage& image,
+               const Progress& progress) override {
+        prepare();
+        const PictureRequest& request = picture.request;
+        ReferenceOptions options = reference_options(request, progress);
+        options.collective = nullptr;
+        const auto draw = [&](const auto& grids) {
+            return render_reference(grids, picture.camera(), request.width, request.height,
+                                    options);
+        };
+        if (!grids_.empty()) {
+            image = draw(grids_);
+            return;
+        }
+        image = DepthImage(request.width, request.height);
+        for (const LevelGrids& levels : levels_) {
+            const DepthImage one = draw(levels);
+            std::ranges::transform(image.depth, one.depth, image.depth.begin(), std::plus());
+        }
+    }
+
+    ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        return render_maximum_reference(volumes(), values(sources_.front(), picture.field.field),
+                                        picture.camera(), request.width, request.height,
+                                        reference_options(request, progress));
+    }
+
+    void volume(const ResolvedPicture& picture, VolumeImage& image,
+                const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        const VoxelSource& source = sources_.front();
+        const bool linear = voxels_.interpolation == Interpolation::linear;
+        if (linear && volumes().size() > 1)
+            throw Error(
+                fmt::format("{} volumes or parts of a mesh: linear interpolation in volume "
+                            "rendering works with one volume",
+                            volumes().size()));
+        if (linear && voxels_.step_voxels == 0)
+            throw RequestError("step", " 0: volume rendering takes samples, expected a step > 0");
+        image = render_volume_reference(volumes(), values(source, picture.field.field),
+                                        picture.chosen.transfer, picture.camera(), request.width,
+                                        request.height, reference_options(request, progress),
+                                        look_of(picture), linear ? voxels_ : VoxelGridOptions{},
+                                        {source.overlap, source.beside, source.beside_field});
+    }
+
+  private:
+    std::span<const Volume> volumes() const { return sources_.front().volumes->volumes; }
+    static std::span<const VoxelField> values(const VoxelSource& source, const std::string& field) {
+        return std::ranges::find(source.fields, field, &SampledField::name)->values;
+    }
+    ReferenceOptions reference_options(const PictureRequest& request,
+                                       const Progress& progress) const {
+        return {progress, request.options.samples, request.options.clip, processes_};
+    }
+    /// Grids for T.
+    void prepare() {
+        if (!grids_.empty() || !levels_.empty()) return;
+        for (const VoxelSource& source : sources_) {
+            if (source.volumes->is_mesh()) {
+                if (!source.volumes->volumes.empty())
+                    levels_.push_back(level_grids(*source.volumes, voxels_));
+                continue;
+            }
+            for (const Volume& volume : source.volumes->volumes)
+                grids_.push_back(voxel_grid(volume, voxels_));
+        }
+    }
+
+    std::vector<VoxelSource> sources_;
+    VoxelGridOptions voxels_;
+    const Collective* processes_;
+    std::vector<VoxelGrid> grids_;
+    std::vector<LevelGrids> levels_;
+};
+
+}  // namespace
+
+std::unique_ptr<SourceRenderer> reference_pictures(std::vector<VoxelSource> sources,
+                                                   const RenderOptions& options,
+                                                   const Collective* processes) {
+    return std::make_unique<ReferencePictures>(std::move(sources), options, processes);
+}
+
+}  // namespace vog::pictures

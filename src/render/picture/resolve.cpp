@@ -1,0 +1,203 @@
+// resolve.cpp: every default of a picture, from its scene.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vog/distributed.h"
+#include "vog/error.h"
+#include "vog/picture.h"
+#include "vog/text.h"
+#include "vog/units.h"
+
+namespace vog {
+
+namespace {
+
+/// A message about the scene's data.
+Error about(const Scene& scene, const std::string& what) {
+    return Error(scene.name.empty() ? what : scene.name + ": " + what);
+}
+
+/// Fields of a scene by name and unit, without numbers where they are at voxels.
+Fields names_of(const Scene& scene) {
+    if (!scene.has_voxels()) return scene.model().model->fields;
+    Fields names;
+    const auto add = [](auto& to, const SampledField& field) {
+        auto& one = to.emplace_back();
+        one.name = field.name, one.unit = field.unit;
+    };
+    for (const SampledField& field : scene.voxels().fields)
+        field.is_vector ? add(names.vector, field) : add(names.scalar, field);
+    return names;
+}
+
+FieldChoice field_of(const PictureRequest& request, const Scene& scene, const Fields& fields) {
+    if (!request.field.empty()) {
+        FieldChoice choice;
+        try {
+            choice = field_choice(request.field, fields);
+        } catch (const Error& error) {
+            throw about(scene, error.what());
+        }
+        if (is_by_value(request.show) && choice.part != FieldPart::value)
+            throw about(scene, fmt::format("'{}' is a vector field, show '{}' is of scalar fields",
+                                           printable(choice.field), word_of(request.show)));
+        return choice;
+    }
+    if (is_field_map(request.show))
+        throw about(scene, fmt::format("show '{}' needs a field, the data have {}",
+                                       word_of(request.show), scalar_names(fields)));
+    if (const ScalarField* field =
+            scene.has_voxels() ? scalar_to_begin_with(fields) : scalar_to_show(fields))
+        return {field->name, FieldPart::value};
+    throw about(scene, fmt::format("show '{}' needs one scalar field, the data have {}",
+                                   word_of(request.show), scalar_names(fields)));
+}
+
+std::string unit_of(const Fields& fields, const std::string& field) {
+    if (const ScalarField* scalar = fields.find_scalar(field)) return scalar->unit;
+    const VectorField* vector = fields.find_vector(field);
+    return vector ? vector->unit : "";
+}
+
+/// Factor from the unit that the data state to the requested one; 1 where one of the two is not known.
+double factor_between(const std::string& stated, const std::string& requested) {
+    if (stated.empty() || requested.empty()) return 1;
+    if (const std::optional<double> factor = unit_factor(stated, requested)) return *factor;
+    throw RequestError("unit",
+                       fmt::format(" {}: the data are in {}, expected a unit that it converts to, "
+                                   "or none",
+                                   requested, stated));
+}
+
+/// Colour and opacity of a volume, and the request that states them.
+void choose_light(ResolvedPicture& picture, const Scene& scene) {
+    TransferRequest& transfer = picture.request.transfer;
+    if (picture.request.fit != ScaleFit::automatic)
+        transfer.log = picture.request.fit == ScaleFit::log;
+    const bool stated = transfer.window || !transfer.bands.empty();
+    if (!transfer.map && transfer.points.points.color.empty() && !stated)
+        transfer.points = transfer_points(std::string(default_map(Show::volume)));
+    try {
+        picture.chosen = choose_transfer(transfer, value_data(scene, picture.field.field));
+    } catch (const RequestError&) {
+        throw;
+    } catch (const Error& error) {
+        throw about(scene, error.what());
+    }
+    transfer.unit_distance = picture.chosen.transfer.unit_distance;
+    if (stated || transfer.points.at_values) return;
+    const ColorScale& scale = picture.chosen.scale;
+    transfer.range.emplace(scale.low, scale.high);
+    transfer.log = scale.kind == ColorScale::Kind::log;
+    picture.request.fit = *transfer.log ? ScaleFit::log : ScaleFit::linear;
+}
+
+}  // namespace
+
+Scene scene_of(std::shared_ptr<const Gaussians> model, std::shared_ptr<const Hierarchy> hierarchy) {
+    Scene scene;
+    scene.subject = subject_of(*model);
+    scene.name = model->source;
+    scene.sources.push_back(ModelSource{std::move(model), std::move(hierarchy)});
+    return scene;
+}
+
+Scene scene_of(Gaussians model) {
+    return scene_of(std::make_shared<const Gaussians>(std::move(model)));
+}
+
+Scene scene_of(Volume volume) {
+    VolumeSet set;
+    set.volumes.push_back(std::move(volume));
+    return scene_of(std::make_shared<const VolumeSet>(std::move(set)));
+}
+
+Scene scene_of(std::shared_ptr<const VolumeSet> volumes) {
+    Scene scene;
+    Box box;
+    for (const Volume& volume : volumes->volumes) box.include(world_box(volume));
+    scene.subject = subject_of(box, content_of(volumes->volumes, box));
+    VoxelSource source{volumes, {}};
+    if (!volumes->is_mesh()) {
+        SampledField own;
+        for (const Volume& volume : volumes->volumes) {
+            own.values.push_back(measure_field(volume));
+            own.name = own.values.front().name == own.values.back().name ? own.values.back().name
+                                                                         : "density";
+        }
+        source.fields.push_back(std::move(own));
+    }
+    scene.sources.push_back(std::move(source));
+    return scene;
+}
+
+const char* default_map(Show show) {
+    return show == Show::depth || show == Show::volume ? kDefaultMap : "inferno";
+}
+
+ValueData value_data(const Scene& scene, const std::string& field) {
+    ValueData data;
+    if (scene.has_voxels()) {
+        const VoxelSource& source = scene.voxels();
+        const auto found = std::ranges::find(source.fields, field, &SampledField::name);
+        data = value_data(source.volumes->volumes, found->values, scene.subject.box);
+    } else {
+        data = value_data(*scene.model().model, *scene.model().model->fields.find_scalar(field));
+    }
+    data.box = scene.subject.box;
+    if (!scene.collective || !scene.collective->several()) return data;
+    const bool none = scene.has_voxels() && scene.voxels().volumes->volumes.empty();
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    double most[4] = {none ? kNone : -data.lower, none ? kNone : data.upper,
+                      data.is_measure ? 1.0 : 0.0, data.counts.empty() ? 0.0 : 1.0};
+    scene.collective->max(most);
+    scene.collective->sum(data.mass);
+    data.lower = -most[0], data.upper = most[1];
+    data.is_measure = most[2] > 0;
+    if (!(most[3] > 0)) return data;
+    scene.collective->sum(data.counts.weights());
+    data.spread = data.counts.spread();
+    return data;
+}
+
+ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
+    ResolvedPicture picture;
+    const RenderInput input = !scene.has_voxels()                 ? RenderInput::gaussians
+                              : scene.voxels().volumes->is_mesh() ? RenderInput::levels
+                                                                  : RenderInput::volumes;
+    if (!request.renderer) request.renderer = renderer_for({}, input);
+    (void)renderer_for(info_of(*request.renderer).name, input);
+    require_options(*request.renderer, input, changed_options(request.options),
+                    OptionSpelling::arguments);
+    if (!request.camera)
+        request.camera = default_view(scene.subject, request.width, request.height);
+    const Show show = request.show;
+    picture.name = show == Show::depth ? "T" : scene.column;
+    std::string stated = show == Show::column ? scene.column_unit : "";
+    if (is_field_map(show) || is_by_value(show)) {
+        const Fields fields = names_of(scene);
+        picture.field = field_of(request, scene, fields);
+        request.field = picture.field.field;
+        constexpr const char* kParts[] = {"", "", ".x", ".y", ".z", ".magnitude"};
+        request.field += kParts[static_cast<std::size_t>(picture.field.part)];
+        const std::string label = field_label(picture.field);
+        picture.name = show == Show::volume ? "volume of " + label : quantity_label(show, label);
+        stated = unit_of(fields, picture.field.field);
+    }
+    picture.unit = request.unit.empty() ? stated : request.unit;
+    picture.factor = factor_between(stated, request.unit);
+    picture.request = std::move(request);
+    if (show == Show::volume) {
+        choose_light(picture, scene);
+    } else {
+        TransferRequest& transfer = picture.request.transfer;
+        if (!transfer.map) transfer.map = named_transfer_function(default_map(show));
+        picture.colors = *transfer.map;
+    }
+    return picture;
+}
+
+}  // namespace vog

@@ -1,0 +1,95 @@
+// source_renderer.h: renderer of one source of a scene in all quantities: a class for each method and kind of data.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "vog/picture.h"
+
+namespace vog::pictures {
+
+/// Draws pictures of data that it prepares for the first one and keeps.
+class SourceRenderer {
+  public:
+    virtual ~SourceRenderer() = default;
+
+    /// T or column, maps of a field, the maximum, or light, by the request's quantity.
+    void draw(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
+        report = {};
+        const int width = picture.request.width, height = picture.request.height;
+        sums.width = width, sums.height = height;
+        switch (picture.request.show) {
+            case Show::depth:
+            case Show::column: {
+                DepthImage image;
+                image.width = width, image.height = height;
+                image.depth = std::move(sums.column);
+                depth(picture, image, progress);
+                sums.column = std::move(image.depth);
+                return;
+            }
+            case Show::mean:
+            case Show::deviation:
+                return take(fields(picture, picture.field, progress), sums);
+            case Show::maximum:
+                sums.maximum = maximum(picture, progress).value;
+                return;
+            case Show::volume: {
+                VolumeImage image{width, height, std::move(sums.light)};
+                volume(picture, image, progress);
+                sums.light = std::move(image.pixel);
+                return;
+            }
+        }
+    }
+    /// Maps of a field, for joint ones of several processes.
+    virtual FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
+                             const Progress& progress) = 0;
+
+    static void take(FieldMaps maps, Sums& sums) {
+        sums.column = std::move(maps.column);
+        sums.mean = std::move(maps.mean);
+        sums.deviation = std::move(maps.deviation);
+    }
+
+    DrawReport report;  ///< on the last picture
+
+  protected:
+    virtual void depth(const ResolvedPicture& picture, DepthImage& image,
+                       const Progress& progress) = 0;
+    virtual ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) = 0;
+    virtual void volume(const ResolvedPicture& picture, VolumeImage& image,
+                        const Progress& progress) = 0;
+};
+
+/// Light of a picture, with its clip.
+inline VolumeLook look_of(const ResolvedPicture& picture) {
+    VolumeLook look = picture.request.look;
+    look.clip = picture.request.options.clip;
+    return look;
+}
+
+// Renderers of models. `options` are those that their preparation depends on: boxes and kernels.
+std::unique_ptr<SourceRenderer> splat_pictures(const ModelSource& source,
+                                               const RenderOptions& options,
+                                               const Collective* processes);
+std::unique_ptr<SourceRenderer> trace_pictures(const ModelSource& source,
+                                               const RenderOptions& options);
+std::unique_ptr<SourceRenderer> gpu_pictures(Renderer renderer, const ModelSource& source,
+                                             const RenderOptions& options);
+// Renderers of voxels: sources that add up.
+std::unique_ptr<SourceRenderer> reference_pictures(std::vector<VoxelSource> sources,
+                                                   const RenderOptions& options,
+                                                   const Collective* processes);
+std::unique_ptr<SourceRenderer> gpu_voxel_pictures(const VoxelSource& source);
+
+/// Maps of the parts of several processes, on the root: columns add, means and deviations by the columns.
+/// draw  maps of this process's part
+FieldMaps joint_maps(const FieldChoice& choice, const Collective& processes,
+                     const std::function<FieldMaps(const FieldChoice&)>& draw);
+/// Replaces values by their sums over all processes.
+void sum_over(std::span<float> values, const Collective& processes);
+
+}  // namespace vog::pictures

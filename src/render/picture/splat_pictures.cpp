@@ -1,0 +1,119 @@
+// splat_pictures.cpp: pictures of a model by splatting on the CPU.
+#include <optional>
+
+#include "render/by_value/clipped_depth.h"
+#include "render/picture/source_renderer.h"
+#include "vog/maximum_picture.h"
+#include "vog/splat.h"
+
+namespace vog::pictures {
+
+namespace {
+
+class SplatPictures : public SourceRenderer {
+  public:
+    SplatPictures(const ModelSource& source, const RenderOptions& options,
+                  const Collective* processes)
+        : source_(source), options_(options), processes_(processes) {
+        if (source_.hierarchy && source_.hierarchy->empty()) source_.hierarchy.reset();
+    }
+
+    FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
+                     const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        SplatOptions options = splat_options(request);
+        options.aabb_sigma = options_.aabb_sigma;
+        options.progress = progress;
+        return render_field_splat(model(), choice, picture.camera(), request.width, request.height,
+                                  options, source_.hierarchy ? &report.cut.emplace() : nullptr,
+                                  request.options.clip);
+    }
+
+  protected:
+    void depth(const ResolvedPicture& picture, DepthImage& image,
+               const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        const Camera& camera = picture.camera();
+        if (!request.options.clip.empty()) {
+            image = by_value::clipped_depth_splat(model(), request.options.clip, options_.kappa,
+                                                  camera, request.width, request.height);
+            return;
+        }
+        const SplatOptions options = splat_options(request);
+        if (!splat_) splat_.emplace(model(), options);
+        splat_->set_cut(options.cut);
+        splat_->render(camera, request.width, request.height, image, progress);
+        if (options.hierarchy) report.cut = splat_->cut_report();
+    }
+
+    ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        SlabOptions options = slab_options(picture);
+        options.slabs = request.slabs.value_or(kMaximumSlabs);
+        ValueMap map = render_maximum_splat(model(), picture.field.field, picture.camera(),
+                                            request.width, request.height, options);
+        if (progress) progress(1);
+        return map;
+    }
+
+    void volume(const ResolvedPicture& picture, VolumeImage& image,
+                const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        SlabOptions options = slab_options(picture);
+        options.slabs = request.slabs.value_or(options.slabs);
+        const ValueTransfer& transfer = picture.chosen.transfer;
+        // Made with the first transfer function, then kept for pictures under others.
+        Kept wanted{picture.field.field, options.slabs, options.look};
+        if (slabs_ && kept_ == wanted) {
+            slabs_->set_transfer(transfer);
+        } else {
+            slabs_.emplace(model(), wanted.field, transfer, options);
+            kept_ = std::move(wanted);
+        }
+        slabs_->render(picture.camera(), request.width, request.height, image);
+        if (progress) progress(1);
+    }
+
+  private:
+    /// What slabs depend on beside the transfer function.
+    struct Kept {
+        std::string field;
+        int slabs = 0;
+        VolumeLook look{};
+        friend bool operator==(const Kept&, const Kept&) = default;
+    };
+
+    const Gaussians& model() const { return *source_.model; }
+    SplatOptions splat_options(const PictureRequest& request) const {
+        SplatOptions options;
+        options.aabb_sigma = options_.aabb_sigma;
+        options.kappa = options_.kappa;
+        if (options.aabb_sigma == 0) options.hierarchy = source_.hierarchy.get();
+        options.cut = {request.options.pixel_error.value_or(options.cut.pixel_error), true};
+        return options;
+    }
+    SlabOptions slab_options(const ResolvedPicture& picture) const {
+        SlabOptions options;
+        options.kappa = options_.kappa;
+        options.look = look_of(picture);
+        options.collective = processes_;
+        return options;
+    }
+
+    ModelSource source_;
+    RenderOptions options_;
+    const Collective* processes_;
+    std::optional<SplatRenderer> splat_;
+    std::optional<SlabRenderer> slabs_;
+    Kept kept_;
+};
+
+}  // namespace
+
+std::unique_ptr<SourceRenderer> splat_pictures(const ModelSource& source,
+                                               const RenderOptions& options,
+                                               const Collective* processes) {
+    return std::make_unique<SplatPictures>(source, options, processes);
+}
+
+}  // namespace vog::pictures

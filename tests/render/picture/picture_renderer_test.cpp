@@ -1,0 +1,391 @@
+// picture_renderer_test.cpp: every renderer, source, quantity, clip and kind of camera from requests, against closed forms in
+// double precision.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+
+#include "support/field_models.h"
+#include "support/ray_voxels.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
+#include "vog/error.h"
+#include "vog/picture.h"
+
+namespace vog::test {
+
+namespace {
+
+constexpr int kWidth = 40, kHeight = 30;
+
+struct View {
+    const char* name;
+    Camera camera;
+};
+std::vector<View> views() {
+    Camera outside, inside, parallel;
+    outside.eye = {4, 1.5, 2}, outside.look_at = {0, 0, 0};
+    inside.eye = {0.3, -0.2, 0.1}, inside.look_at = {1, 0.4, -0.5}, inside.fov_degrees = 80;
+    parallel.eye = {-1, 5, -2}, parallel.look_at = {0, 0, 0}, parallel.up = {0, 0, 1};
+    parallel.orthographic_width = 3;
+    return {{"outside", outside}, {"inside", inside}, {"parallel", parallel}};
+}
+
+struct Cut {
+    const char* name;
+    Clipping clip;
+};
+std::vector<Cut> cuts() {
+    return {{"whole", {}},
+            {"box", {Box{{-0.6, -0.4, -0.7}, {0.47, 0.81, 0.3}}, {}}},
+            {"plane", {std::nullopt, {{{1, 2, -1}, 0.1}}}}};
+}
+
+std::shared_ptr<const Gaussians> some_model() {
+    // Wider than pixels: the closed form is that of the Gaussians themselves.
+    auto model = std::make_shared<Gaussians>(random_gaussians(30, 0.3, 0.6, 5));
+    add_random_fields(*model, 11);
+    return model;
+}
+
+/// 16^3 voxels from -1 to 1, a fifth of them empty, as values and as a field of its own.
+std::shared_ptr<const VolumeSet> some_voxels(std::vector<VoxelField>& heat) {
+    auto set = std::make_shared<VolumeSet>();
+    Volume& volume = set->volumes.emplace_back();
+    volume.name = "density";
+    volume.world_from_index = {{{Vec3d{0.125, 0, 0}, {0, 0.125, 0}, {0, 0, 0.125}}},
+                               {-0.9375, -0.9375, -0.9375}};
+    Random random(3);
+    VoxelField& field = heat.emplace_back();
+    field.name = "heat", field.component.resize(1);
+    field.lower = 10, field.upper = 20;
+    for (int n = 0; n < 8; ++n) {
+        Leaf& leaf = volume.leaves.emplace_back();
+        leaf.origin = {8 * (n >> 2), 8 * (n >> 1 & 1), 8 * (n & 1)};
+        auto& values = field.component.front().leaf.emplace_back();
+        values.fill(0);
+        for (int v = 0; v < kLeafVoxels; ++v) {
+            if (random() < 0.2) continue;
+            leaf.set(v, static_cast<float>(random(0.1, 2)));
+            values[static_cast<std::size_t>(v)] = static_cast<float>(random(10, 20));
+        }
+    }
+    return set;
+}
+
+/// Piece of a ray in one voxel.
+struct Piece {
+    double first, last, density, heat;
+};
+std::vector<Piece> pieces_of(const Volume& volume, const VoxelField& heat, Vec3d origin,
+                             Vec3d direction, const Clipping& clip) {
+    const IndexRay ray(volume, origin, direction);
+    const RayInterval shown = clipped_ray(clip, origin, direction);
+    std::vector<Piece> pieces;
+    for (std::size_t l = 0; l < volume.leaves.size(); ++l)
+        for (int n = 0; n < kLeafVoxels; ++n) {
+            const Leaf& leaf = volume.leaves[l];
+            if (!leaf.active(n)) continue;
+            const Vec3d at = vec_cast<double>(leaf.origin) +
+                             Vec3d{double(n >> 6), double(n >> 3 & 7), double(n & 7)};
+            const Vec3d half{0.5, 0.5, 0.5};
+            auto [first, last] = ray.cut(at - half, at + half);
+            first = std::max(first, shown.first), last = std::min(last, shown.last);
+            if (first >= last) continue;
+            const auto v = static_cast<std::size_t>(n);
+            pieces.push_back(
+                {first, last, double{leaf.value[v]}, double{heat.component.front().leaf[l][v]}});
+        }
+    std::ranges::sort(pieces, {}, &Piece::first);
+    return pieces;
+}
+
+/// Closed form of one pixel.
+struct Exact {
+    double column = 0, mean = 0, deviation = 0;
+    double maximum = std::numeric_limits<double>::quiet_NaN();
+    Rgba light{0, 0, 0, 0};
+};
+Exact exact_voxels(const std::vector<Piece>& pieces, const ValueTransfer& transfer) {
+    Exact exact;
+    double first = 0, second = 0, through = 1, r = 0, g = 0, b = 0;
+    for (const Piece& piece : pieces) {
+        const double length = piece.last - piece.first, mass = length * piece.density;
+        exact.column += mass, first += mass * piece.heat;
+        exact.maximum = std::fmax(exact.maximum, piece.heat);
+        const ValueLight light = light_of(transfer, piece.heat);
+        // Other fields than the density itself are weighed by it.
+        const double seen = through * -std::expm1(-light.extinction * mass);
+        r += seen * light.r, g += seen * light.g, b += seen * light.b, through -= seen;
+    }
+    if (exact.column > 0) exact.mean = first / exact.column;
+    for (const Piece& piece : pieces)
+        second += (piece.last - piece.first) * piece.density * (piece.heat - exact.mean) *
+                  (piece.heat - exact.mean);
+    if (exact.column > 0) exact.deviation = std::sqrt(second / exact.column);
+    exact.light = {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b),
+                   static_cast<float>(1 - through)};
+    return exact;
+}
+Exact exact_model(const Gaussians& model, Vec3d origin, Vec3d direction, const Clipping& clip) {
+    Exact exact;
+    double first = 0, second = 0;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const FieldSums sums =
+            field_sums(model, {"temperature", FieldPart::value}, i, origin, direction, clip);
+        exact.column += sums.column, first += sums.first, second += sums.second;
+    }
+    if (!(exact.column > 0)) return exact;
+    exact.mean = first / exact.column;
+    exact.deviation = std::sqrt(std::max(second / exact.column - exact.mean * exact.mean, 0.0));
+    return exact;
+}
+
+/// Calls visit(pixel, origin, direction of length 1).
+template <class Visit>
+void each_ray(const Camera& camera, const Visit& visit) {
+    const CameraFrame frame = frame_of(camera, kWidth, kHeight);
+    for (int row = 0; row < kHeight; ++row)
+        for (int column = 0; column < kWidth; ++column)
+            visit(static_cast<std::size_t>(row * kWidth + column), frame.origin(column, row),
+                  normalized(frame.direction(column, row)));
+}
+
+PictureRequest request_of(Show show, const std::string& field, const Camera& camera,
+                          const Clipping& clip) {
+    PictureRequest request;
+    request.show = show;
+    request.field = field;
+    request.camera = camera;
+    request.width = kWidth, request.height = kHeight;
+    request.extinction = 1;
+    request.options.clip = clip;
+    return request;
+}
+
+constexpr Show kAll[] = {Show::depth,     Show::column,  Show::mean,
+                         Show::deviation, Show::maximum, Show::volume};
+
+}  // namespace
+
+class picture_renderer_models : public testing::TestWithParam<std::tuple<Renderer, int, int>> {};
+
+TEST_P(picture_renderer_models, draw_the_closed_form) {
+    const auto& [renderer, view, cut] = GetParam();
+    const Camera camera = views()[static_cast<std::size_t>(view)].camera;
+    const Clipping clip = cuts()[static_cast<std::size_t>(cut)].clip;
+    const auto model = some_model();
+    double largest = 0;
+    std::vector<Exact> exact(std::size_t{kWidth} * kHeight);
+    each_ray(camera, [&](std::size_t n, Vec3d origin, Vec3d direction) {
+        exact[n] = exact_model(*model, origin, direction, clip);
+        largest = std::max(largest, exact[n].column);
+    });
+    PictureRenderer drawn(scene_of(model));
+    for (const Show show : {Show::depth, Show::column, Show::mean, Show::deviation}) {
+        SCOPED_TRACE(word_of(show));
+        PictureRequest request =
+            request_of(show, is_field_map(show) ? "temperature" : "", camera, clip);
+        request.renderer = renderer;
+        const ResolvedPicture picture = resolve(request, drawn.scene());
+        Sums sums;
+        drawn.draw(picture, sums);
+        const Picture finished = finish(std::move(sums), picture, drawn.scene());
+        const ScalarField& field = *model->fields.find_scalar("temperature");
+        const double range = std::max(std::abs(field.lower), std::abs(field.upper));
+        for (std::size_t n = 0; n < exact.size(); ++n) {
+            EXPECT_NEAR(finished.sums.column[n], exact[n].column, 2e-5 * largest) << n;
+            // Rims have the rounding of their small columns.
+            if (!is_field_map(show) || exact[n].column < 1e-2 * largest) continue;
+            EXPECT_NEAR(finished.sums.mean[n], exact[n].mean, 2e-4 * range) << n;
+            EXPECT_NEAR(finished.sums.deviation[n], exact[n].deviation, 2e-3 * range) << n;
+        }
+    }
+}
+
+TEST_P(picture_renderer_models, draw_the_same_values_and_light_as_rays_in_exact_order) {
+    const auto& [renderer, view, cut] = GetParam();
+    if (renderer == Renderer::trace) GTEST_SKIP() << "the rays themselves";
+    const auto model = some_model();
+    PictureRenderer drawn(scene_of(model));
+    PictureRequest request =
+        request_of(Show::volume, "temperature", views()[static_cast<std::size_t>(view)].camera,
+                   cuts()[static_cast<std::size_t>(cut)].clip);
+    request.slabs = 256;
+    request.transfer.unit_distance = 0.2;
+    const auto picture_by = [&](Renderer one, Show show) {
+        request.renderer = one;
+        request.show = show;
+        const ResolvedPicture picture = resolve(request, drawn.scene());
+        Sums sums;
+        drawn.draw(picture, sums);
+        return sums;
+    };
+    const Sums truth = picture_by(Renderer::trace, Show::volume),
+               found = picture_by(renderer, Show::volume);
+    double squares = 0, lit = 0;
+    for (std::size_t n = 0; n < truth.light.size(); ++n) {
+        const Rgba &a = truth.light[n], &b = found.light[n];
+        for (const float d : {a.r - b.r, a.g - b.g, a.b - b.b, a.a - b.a})
+            squares += double{d} * double{d} / 4;
+        lit += double{a.a};
+    }
+    EXPECT_GT(lit, 5);
+    // Measured: 1.6e-4 to 5.1e-3.
+    EXPECT_LT(std::sqrt(squares / double(truth.light.size())), 0.01);
+    const Sums high = picture_by(Renderer::trace, Show::maximum),
+               maximum = picture_by(renderer, Show::maximum);
+    const ScalarField& field = *model->fields.find_scalar("temperature");
+    std::size_t off = 0, shown = 0;
+    for (std::size_t n = 0; n < high.maximum.size(); ++n) {
+        if (std::isnan(high.maximum[n])) continue;
+        ++shown;
+        off +=
+            !(std::abs(high.maximum[n] - maximum.maximum[n]) < 0.03 * (field.upper - field.lower));
+    }
+    // Thresholds of density at rims are met in single pixels only.
+    EXPECT_LT(off, shown / 10 + 2);
+}
+
+std::string name_of_models(const testing::TestParamInfo<std::tuple<Renderer, int, int>>& of) {
+    const auto& [renderer, view, cut] = of.param;
+    return std::string(info_of(renderer).name) + "_" +
+           views()[static_cast<std::size_t>(view)].name + "_" +
+           cuts()[static_cast<std::size_t>(cut)].name;
+}
+INSTANTIATE_TEST_SUITE_P(requests, picture_renderer_models,
+                         testing::Combine(testing::Values(Renderer::splat, Renderer::trace),
+                                          testing::Range(0, 3), testing::Range(0, 3)),
+                         name_of_models);
+
+class picture_renderer_voxels : public testing::TestWithParam<std::tuple<int, int>> {};
+
+TEST_P(picture_renderer_voxels, draw_the_closed_form_of_every_quantity) {
+    const auto& [view, cut] = GetParam();
+    const Camera camera = views()[static_cast<std::size_t>(view)].camera;
+    const Clipping clip = cuts()[static_cast<std::size_t>(cut)].clip;
+    std::vector<VoxelField> heat;
+    const auto set = some_voxels(heat);
+    vog::Scene scene = scene_of(set);
+    std::get<VoxelSource>(scene.sources.front()).fields = {{"heat", "K", false, heat}};
+    PictureRenderer drawn(scene);
+    for (const Show show : kAll) {
+        SCOPED_TRACE(word_of(show));
+        PictureRequest request = request_of(show, "", camera, clip);
+        if (is_field_map(show)) request.field = "heat";
+        request.transfer.range.emplace(10, 20);
+        request.transfer.unit_distance = 0.3;
+        const ResolvedPicture picture = resolve(request, scene);
+        Sums sums;
+        drawn.draw(picture, sums);
+        const Picture finished = finish(std::move(sums), picture, scene);
+        EXPECT_EQ(finished.image.width, kWidth);
+        each_ray(camera, [&](std::size_t n, Vec3d origin, Vec3d direction) {
+            const Exact exact =
+                exact_voxels(pieces_of(set->volumes.front(), heat.front(), origin, direction, clip),
+                             picture.chosen.transfer.color.empty()
+                                 ? over_range(named_transfer_function("gray"), 10, 20, 1)
+                                 : picture.chosen.transfer);
+            const Sums& got = finished.sums;
+            if (show == Show::depth || show == Show::column || is_field_map(show)) {
+                EXPECT_NEAR(got.column[n], exact.column, 1e-5) << n;
+            }
+            if (is_field_map(show) && exact.column > 1e-4) {
+                EXPECT_NEAR(got.mean[n], exact.mean, 1e-4) << n;
+                EXPECT_NEAR(got.deviation[n], exact.deviation, 1e-3) << n;
+            }
+            if (show == Show::maximum && exact.column > 1e-6) {
+                EXPECT_EQ(got.maximum[n], static_cast<float>(exact.maximum)) << n;
+            }
+            if (show != Show::volume) return;
+            EXPECT_NEAR(got.light[n].r, exact.light.r, 2e-6) << n;
+            EXPECT_NEAR(got.light[n].a, exact.light.a, 2e-6) << n;
+        });
+    }
+}
+
+std::string name_of_voxels(const testing::TestParamInfo<std::tuple<int, int>>& of) {
+    const auto& [view, cut] = of.param;
+    return std::string(views()[static_cast<std::size_t>(view)].name) + "_" +
+           cuts()[static_cast<std::size_t>(cut)].name;
+}
+INSTANTIATE_TEST_SUITE_P(requests, picture_renderer_voxels,
+                         testing::Combine(testing::Range(0, 3), testing::Range(0, 3)),
+                         name_of_voxels);
+
+TEST(picture_request, open_members_get_defaults_and_stated_ones_stay) {
+    const auto model = some_model();
+    const vog::Scene scene = scene_of(model);
+    PictureRequest request;
+    const ResolvedPicture plain = resolve(request, scene);
+    EXPECT_EQ(*plain.request.renderer, Renderer::splat);
+    EXPECT_EQ(plain.request.camera->eye, default_view(scene.subject, 512, 512).eye);
+    EXPECT_EQ(plain.colors.name, default_map(Show::depth));
+    EXPECT_EQ(plain.name, "T");
+    request.show = Show::column;
+    EXPECT_EQ(resolve(request, scene).colors.name, default_map(Show::column));
+    request.show = Show::volume;
+    request.field = "temperature";
+    request.transfer.range.emplace(0.25, 0.75);
+    const ResolvedPicture volume = resolve(request, scene);
+    EXPECT_EQ(volume.chosen.scale.low, 0.25);
+    EXPECT_EQ(*volume.request.transfer.unit_distance, volume.chosen.transfer.unit_distance);
+    // A resolved request resolves to itself.
+    const ResolvedPicture again = resolve(volume.request, scene);
+    EXPECT_EQ(again.chosen.transfer, volume.chosen.transfer);
+    EXPECT_EQ(again.request.field, volume.request.field);
+}
+
+TEST(picture_request, refusals_say_what_would_work) {
+    const auto model = some_model();
+    vog::Scene scene = scene_of(model);
+    scene.name = "m.ply";
+    const auto refused = [&](const PictureRequest& request) {
+        return refusal([&] { (void)render(scene, request); });
+    };
+    PictureRequest request;
+    request.width = request.height = 8;
+    request.show = Show::mean;
+    EXPECT_EQ(refused(request),
+              "m.ply: show 'mean' needs a field, the data have temperature, density");
+    request.field = "heat";
+    EXPECT_NE(refused(request).find("m.ply: "), std::string::npos);
+    EXPECT_NE(refused(request).find("temperature"), std::string::npos);
+    request.show = Show::maximum;
+    request.field = "gas velocity";
+    EXPECT_NE(refused(request).find("is a vector field"), std::string::npos);
+    request = {};
+    request.renderer = Renderer::reference;
+    EXPECT_EQ(refused(request),
+              "renderer 'reference', expected 'splat', 'trace', 'cuda' or 'optix' for Gaussians");
+    request = {};
+    request.options.clip.box = Box{{0, 0, 0}, {1, -1, 1}};
+    EXPECT_NE(refused(request).find("expected the first below the second"), std::string::npos);
+    request = {};
+    request.options.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
+    request.options.aabb_sigma = 2;
+    EXPECT_EQ(refused(request), "a clip of Gaussians with bounding boxes, expected one of them");
+    EXPECT_EQ(refusal([] { (void)show_named("light"); }),
+              "show 'light', expected 'T', 'column', 'mean', 'deviation', 'volume' or 'maximum'");
+}
+
+TEST(picture_renderer, draws_from_many_cameras_with_one_preparation) {
+    const auto model = some_model();
+    PictureRenderer drawn(scene_of(model));
+    ResolvedPicture picture =
+        resolve(request_of(Show::volume, "temperature", views()[0].camera, {}), drawn.scene());
+    Sums first, again;
+    drawn.draw(picture, first);
+    picture.request.camera = views()[2].camera;
+    drawn.draw(picture, again);
+    picture.request.camera = views()[0].camera;
+    drawn.draw(picture, again);
+    for (std::size_t n = 0; n < first.light.size(); ++n)
+        EXPECT_EQ(first.light[n].a, again.light[n].a) << n;
+    EXPECT_EQ(first.light.size(), std::size_t{kWidth} * kHeight);
+}
+
+}  // namespace vog::test
