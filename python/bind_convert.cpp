@@ -186,7 +186,8 @@ PointOptions point_options(Options& options, Points& copy, const Points& given) 
 /// Fills the caller's dict with the report, and warns where the measured error is above the target.
 /// target_error  relative L2 of T; 0: none
 void fill(const py::object& caller_dict, const MomentReport& report, double target_error) {
-    if (target_error > 0 && report.measured_error > target_error)
+    if (target_error > 0 && report.measured_error > target_error &&
+        !report.as_near_as_interpolation())
         warn({"convert: measured error " + std::to_string(report.measured_error) +
               " of the finest cut, expected at most " + std::to_string(target_error)});
     if (caller_dict.is_none()) return;
@@ -199,6 +200,9 @@ void fill(const py::object& caller_dict, const MomentReport& report, double targ
     };
     dict["measured_error"] = measured(report.measured_error);
     dict["mean_error"] = measured(report.mean_error);
+    dict["interpolation_error"] = measured(report.interpolation_error);
+    dict["mean_interpolation_error"] = measured(report.mean_interpolation_error);
+    dict["as_near_as_interpolation"] = report.as_near_as_interpolation();
     dict["view_note"] = report.view_note;
     dict["stopped_by_count"] = report.stopped_by_count;
     py::dict ms;
@@ -484,8 +488,10 @@ joint_field  of Volume and Levels by moments: one of the fields, or "volume", th
           an opaque step, in the worst view; report["joint"]["value_error"] has it, None: not measured
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
-          the worst view), mean_error (over all views), view_note (mass that the views
-          leave out, in words), stopped_by_count, stage_ms
+          the worst view), mean_error (over all views), interpolation_error and
+          mean_interpolation_error (those of the voxels interpolated linearly),
+          as_near_as_interpolation, view_note (mass that the views leave out, in words),
+          stopped_by_count, stage_ms
 
 Raises vog.Error for an option out of range or without effect, and for data without mass. The result is the
 same bytes for any number of threads. The interpreter lock is released; Ctrl-C interrupts the call.

@@ -35,8 +35,8 @@ struct MomentOptions {
     int block_voxels = 0;  ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128; 0: no
     std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians; 0: no
     /// Adaptive cut of the fewest Gaussians, to 5 %, with a MomentReport::measured_error of at most
-    /// this, (0, 1). 0: kDefaultError, but at most default_count of the voxels. Used
-    /// without block_voxels and budget.
+    /// this, (0, 1), or, beyond kSmallCount voxels, of at most the error of the voxels interpolated linearly. 0: kDefaultError,
+    /// but at most default_count of the voxels. Used without block_voxels and budget.
     double error = 0;
     /// Expectation-maximisation steps from hard to soft cells, 0 to 1000; 0 leaves them hard: fast,
     /// but uniform ones show a grid of dots along the axes. -1: kSoftSteps for a budget,
@@ -69,10 +69,12 @@ struct MomentOptions {
 /// than 128 tiles each counts as few voxels, down to one.
 inline constexpr double kDefaultError = 0.03;
 inline constexpr std::size_t kVoxelsPerGaussian = 16;
-/// Most Gaussians of the default conversion. Small volumes have a Gaussian for each voxel: 256 cost nothing, and a
-/// sixteenth of two distant voxels is one Gaussian, whose T is a twentieth of theirs.
+/// Gaussians that cost nothing: small data have up to one for each voxel.
+inline constexpr std::size_t kSmallCount = 10000;
+/// Most Gaussians of the default conversion.
 constexpr std::size_t default_count(std::size_t voxels) {
-    const std::size_t count = voxels / kVoxelsPerGaussian, fewest = voxels < 256 ? voxels : 256;
+    const std::size_t count = voxels / kVoxelsPerGaussian,
+                      fewest = voxels < kSmallCount ? voxels : kSmallCount;
     return count > fewest ? count : fewest > 0 ? fewest : 1;
 }
 /// Default soft_steps for a budget and for each model in the search for an error.
@@ -107,6 +109,9 @@ struct MomentReport {
     /// voxels. -1: not measured. Above MomentOptions::error if the finest cut does not achieve it.
     double measured_error = -1;
     double mean_error = -1;  ///< the same over the pixels of all views together; -1: not measured
+    /// The same two of the voxels interpolated linearly between their centres, in place of a model: below these an
+    /// error says nothing. -1: not measured.
+    double interpolation_error = -1, mean_interpolation_error = -1;
     /// Mass that the error views leave out, in words; empty: none, or not measured.
     std::string view_note;
     /// Whether the default stopped at one Gaussian to kVoxelsPerGaussian voxels, above its error.
@@ -115,6 +120,12 @@ struct MomentReport {
     std::optional<UniformCells> cells{};
     /// Stages of the conversion in their order: name and duration, milliseconds.
     std::vector<std::pair<std::string, double>> stage_ms;
+
+    /// Whether the model is measured, and as near to the voxels as their interpolation.
+    bool as_near_as_interpolation() const {
+        return measured_error >= 0 && measured_error <= interpolation_error &&
+               mean_error <= mean_interpolation_error;
+    }
 };
 
 /// Text of Gaussians::summary after a conversion by moments: counts, mass ratio, measured error.

@@ -197,6 +197,23 @@ inline constexpr int kErrorViewSize_px = 256;  ///< width and height of these vi
 /// collective  sums over processes; null: a single process
 Box error_view_box(std::span<const Volume> volumes, const Box& whole,
                    const Collective* collective = nullptr);
+/// Views of that box. Where the finest level of a mesh has voxels smaller than their pixels, and fills at most half of the
+/// radius, those along the three axes show its box instead.
+std::vector<Camera> error_views(std::span<const Volume> volumes, const Box& whole,
+                                const Collective* collective = nullptr);
+
+/// Relative L2 of T over the error views, sqrt(sum (T - T_ref)^2 / sum T_ref^2).
+struct RelativeError {
+    double worst = -1;  ///< largest of the views
+    double mean = -1;   ///< over all pixels of all views
+};
+/// Part of a model's error that says something: `target` times its ratio to the target, or to the error of the voxels
+/// interpolated linearly if that is larger; in the worst view or over all, whichever is larger. Voxels are
+/// boxes or samples of a smooth field; the distance between the two readings says how far the data know T. A
+/// search for `target` looks for this.
+/// finest  Gaussians of the finest cut; up to kSmallCount are no cost, and the worst view counts
+double error_beyond_interpolation(const RelativeError& error, const RelativeError& interpolation,
+                                  double target, std::size_t finest);
 
 /// Finds the smallest number of Gaussians, to 5 %, whose error is at most `target`, by false
 /// position on log(error) over log(count). convert_moments searches in the same way.

@@ -12,7 +12,6 @@
 #include "compare/error_shares.h"
 #include "compare/view_boxes.h"
 #include "shade/named_extinction.h"
-#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/shade.h"
@@ -105,9 +104,9 @@ CroppedDepth::CroppedDepth(const DepthImage& image) {
 namespace {
 
 /// Adds a volume's T to each image. The traversal copies the voxels, so a large volume is traversed
-/// in four runs of its sorted leaves.
+/// in four runs of its sorted leaves, whose T add up in both interpolations.
 void add_reference(const Volume& volume, std::span<const Camera> cameras,
-                   std::span<DepthImage> images) {
+                   const VoxelGridOptions& options, std::span<DepthImage> images) {
     constexpr std::size_t kSlabs = 4, kLeast = 256;  // leaves
     const std::size_t count = volume.leaves.size(), slabs = count < kLeast ? 1 : kSlabs;
     Volume slab;
@@ -119,7 +118,7 @@ void add_reference(const Volume& volume, std::span<const Camera> cameras,
             return volume.leaves.begin() + static_cast<std::ptrdiff_t>(end * count / slabs);
         };
         slab.leaves = BigVector<Leaf>(leaf(n), leaf(n + 1));
-        const VoxelGrid grid = voxel_grid(slab);
+        const VoxelGrid grid = voxel_grid(slab, options);
         slab = {{}, {}, volume.world_from_index, {}, volume.source};
         for (std::size_t view = 0; view < cameras.size(); ++view) {
             const DepthImage part =
@@ -130,11 +129,18 @@ void add_reference(const Volume& volume, std::span<const Camera> cameras,
     }
 }
 
+std::vector<DepthImage> reference_images(std::span<const Volume> parts,
+                                         std::span<const Camera> cameras,
+                                         const VoxelGridOptions& options = {}) {
+    std::vector<DepthImage> images(cameras.size(), DepthImage(kSize_px, kSize_px));
+    for (const Volume& part : parts) add_reference(part, cameras, options, images);
+    return images;
+}
+
 }  // namespace
 
 bool ErrorViews::set_reference(std::span<const Volume> parts) {
-    std::vector<DepthImage> images(cameras_.size(), DepthImage(kSize_px, kSize_px));
-    for (const Volume& part : parts) add_reference(part, cameras_, images);
+    const std::vector<DepthImage> images = reference_images(parts, cameras_);
     reference_.clear();
     for (const DepthImage& image : images) reference_.emplace_back(image);
     extinction_ = shading::auto_extinction_of(images.front(),
@@ -142,11 +148,13 @@ bool ErrorViews::set_reference(std::span<const Volume> parts) {
 
     // The sum of T over an orthographic picture, times the area of its pixels, is the mass: far from
     // it where parts of the data are smaller than a pixel, and rays miss them or hit them by chance.
-    double mass_of_parts = 0, sum = 0;
+    double mass_of_parts = 0, sum = 0, widest = 0;
     for (const Volume& part : parts) mass_of_parts += mass(part);
+    for (const Camera& camera : cameras_) widest = std::max(widest, camera.orthographic_width);
     int pictures = 0;
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
-        if (!cameras_[view].orthographic()) continue;
+        // The widest show the whole, others the finest level.
+        if (cameras_[view].orthographic_width < 0.5 * widest) continue;
         const double pixel = cameras_[view].orthographic_width / kSize_px;
         const std::vector<float>& depth = images[view].depth;
         sum += pixel * pixel * std::accumulate(depth.begin(), depth.end(), 0.0);
@@ -159,7 +167,7 @@ bool ErrorViews::set_reference(std::span<const Volume> parts) {
 
 ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) {
     const Box seen = error_view_box(parts, box);
-    cameras_ = error_views(seen);
+    cameras_ = error_views(parts, box);
     radius_ = seen.radius();
     note_ = box_note(seen, box);
     if (set_reference(parts)) return;
@@ -202,18 +210,29 @@ void ErrorViews::for_each_picture(const Gaussians& model, const Take& take) cons
     }
 }
 
+void ErrorViews::add_view(std::size_t view, const DepthImage& image, SquareSums& sums) const {
+    double error2 = 0, norm2 = 0;
+    for (int y = 0; y < kSize_px; ++y)
+        for (int x = 0; x < kSize_px; ++x) {
+            const double t = reference_[view].at(x, y), d = image.at(x, y) - t;
+            error2 += d * d;
+            norm2 += t * t;
+        }
+    sums.add(error2, norm2);
+}
+
 RelativeError ErrorViews::relative_l2(const Gaussians& model) const {
     SquareSums sums;
-    for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
-        double error2 = 0, norm2 = 0;
-        for (int y = 0; y < kSize_px; ++y)
-            for (int x = 0; x < kSize_px; ++x) {
-                const double t = reference_[view].at(x, y), d = image.at(x, y) - t;
-                error2 += d * d;
-                norm2 += t * t;
-            }
-        sums.add(error2, norm2);
-    });
+    for_each_picture(
+        model, [&](std::size_t view, const DepthImage& image) { add_view(view, image, sums); });
+    return sums.error();
+}
+
+RelativeError ErrorViews::interpolation(std::span<const Volume> parts) const {
+    constexpr VoxelGridOptions kLinear{Interpolation::linear, 0};
+    const std::vector<DepthImage> images = reference_images(parts, cameras_, kLinear);
+    SquareSums sums;
+    for (std::size_t view = 0; view < images.size(); ++view) add_view(view, images[view], sums);
     return sums.error();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/distributed.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/volume.h"
@@ -49,11 +50,6 @@ class CroppedDepth {
 /// Beyond 0.1 the L2 of T gains 2 % at most.
 inline constexpr double kDepthErrorWeight = 0.1;
 
-/// Relative L2 of T, sqrt(sum (T - T_ref)^2 / sum T_ref^2).
-struct RelativeError {
-    double worst = -1;  ///< largest of the views
-    double mean = -1;   ///< over all pixels of all views
-};
 /// Sums of squares of the views, for RelativeError.
 class SquareSums {
   public:
@@ -80,6 +76,9 @@ class ErrorViews {
     /// Views of a model, the finest of the data.
     explicit ErrorViews(const Gaussians& finest);
     RelativeError relative_l2(const Gaussians& model) const;
+    /// Error of the same voxels, interpolated linearly between their centres.
+    /// parts  as given to the constructor
+    RelativeError interpolation(std::span<const Volume> parts) const;
     /// Root mean square over all pixels of the visible error, dV^2 + kDepthErrorWeight dT^2, under
     /// the automatic extinction of the first view.
     double visible_rms(const Gaussians& model) const;
@@ -94,6 +93,8 @@ class ErrorViews {
   private:
     /// returns  whether the pictures have the mass of the data
     bool set_reference(std::span<const Volume> parts);
+    /// Sum of (T - T_ref)^2 and T_ref^2 of one view.
+    void add_view(std::size_t view, const DepthImage& image, SquareSums& sums) const;
     /// Calls take(view, image) for the depth image of the model from each view.
     template <class Take>
     void for_each_picture(const Gaussians& model, const Take& take) const;

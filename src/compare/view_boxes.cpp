@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -112,6 +114,59 @@ Box error_view_box(std::span<const Volume> volumes, const Box& whole,
     return box_of_mass(whole, collective_or_single(collective), [&](const auto& take) {
         for_each_node(volumes, [&](const MassNode& node) { take(node.box, node.mass); });
     });
+}
+
+namespace {
+
+/// Box of the mass of the volumes with the smallest voxels; their edge, world units.
+std::pair<Box, double> finest_level(std::span<const Volume> volumes, const Collective& collective) {
+    constexpr double kRounding = 1e-3;  // of the edge
+    const auto edge_of = [](const Volume& volume) { return std::cbrt(voxel_volume(volume)); };
+    std::array<double, 6> bounds;
+    bounds.fill(-std::numeric_limits<double>::infinity());
+    double negative = bounds[0];
+    for (const Volume& volume : volumes) negative = std::max(negative, -edge_of(volume));
+    collective.max(std::span(&negative, 1));
+    const auto is_finest = [&](const Volume& volume) {
+        return edge_of(volume) <= -negative * (1 + kRounding);
+    };
+    for (const Volume& volume : volumes) {
+        if (!is_finest(volume)) continue;
+        const Box box = world_box(volume);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            bounds[axis] = std::max(bounds[axis], -box.lower[static_cast<int>(axis)]);
+            bounds[3 + axis] = std::max(bounds[3 + axis], box.upper[static_cast<int>(axis)]);
+        }
+    }
+    collective.max(bounds);
+    const Box whole{{-bounds[0], -bounds[1], -bounds[2]}, {bounds[3], bounds[4], bounds[5]}};
+    const Box box = box_of_mass(whole, collective, [&](const auto& take) {
+        for_each_node(volumes, [&](const MassNode& node) {
+            if (is_finest(volumes[node.part])) take(node.box, node.mass);
+        });
+    });
+    return {box, -negative};
+}
+
+}  // namespace
+
+std::vector<Camera> error_views(std::span<const Volume> volumes, const Box& whole,
+                                const Collective* collective) {
+    const Box seen = error_view_box(volumes, whole, collective);
+    std::vector<Camera> cameras = error_views(seen);
+    const auto [box, voxel] = finest_level(volumes, collective_or_single(collective));
+    if (voxel >= 2 * seen.radius() / kErrorViewSize_px || box.radius() > 0.5 * seen.radius())
+        return cameras;
+    const std::vector<Camera> close = error_views(box);
+    constexpr std::size_t kFirst = 4, kLast = 6;  // along x, y, z
+    for (std::size_t view = kFirst; view <= kLast; ++view) {
+        // From outside of the whole: the rays of a parallel view begin at its plane.
+        const Vec3d back = cameras[view].eye - cameras[view].look_at;
+        const double times = 1 + length(box.center() - seen.center()) / length(back);
+        cameras[view] = close[view];
+        cameras[view].eye = close[view].look_at + times * back;
+    }
+    return cameras;
 }
 
 BlockViews comparison::views_of_heaviest_blocks(std::span<const Volume> volumes) {

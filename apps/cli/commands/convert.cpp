@@ -80,10 +80,9 @@ void note_missed_by_value(const std::string& input, double measured, double targ
 void note_stopped(const std::string& input, double measured) {
     note(fmt::format(
         "{}: measured error {:.4g} in the worst view: the default stops at one Gaussian "
-        "to {} voxels (256 at least) or at an error of {}, whichever is fewer; --error and "
-        "--budget go "
-        "on",
-        input, measured, kVoxelsPerGaussian, kDefaultError));
+        "to {} voxels (at {} of small data) or at an error of {}, whichever is fewer; --error and "
+        "--budget go on",
+        input, measured, kVoxelsPerGaussian, count_text(kSmallCount), kDefaultError));
 }
 
 nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, const CLI::App& command,
@@ -214,7 +213,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
             view_notes.push_back(fmt::format("{}: {}", part.source, one.view_note));
         if (one.stopped_by_count) note_stopped(part.source, one.measured_error);
         if (joint_field.empty() && moments.error > 0 && one.measured_error > moments.error &&
-            !moments.block_voxels && !moments.budget)
+            !one.as_near_as_interpolation() && !moments.block_voxels && !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
         parts.push_back(std::move(part));
         cells.push_back(one.cells);
@@ -438,6 +437,12 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         if (moments.worst_error >= 0) {
             json["measured_error"] = moments.worst_error;
             json["mean_error"] = moments.mean_error;
+            if (moments.interpolation_error >= 0) {
+                json["interpolation_error"] = moments.interpolation_error;
+                json["mean_interpolation_error"] = moments.mean_interpolation_error;
+                json["as_near_as_interpolation"] =
+                    moments.report(volume_mass).as_near_as_interpolation();
+            }
             json["stopped_by_count"] = moments.stopped_by_count;
         }
         for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;

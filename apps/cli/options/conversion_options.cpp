@@ -124,11 +124,12 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     add("--error", moments.error,
         fmt::format(
             "Find the smallest model with at most this error: relative L2 of optical depth T "
-            "against the voxels, in the worst of {} views. Default for volumes: {}, but at "
-            "most one Gaussian to {} voxels. With --for: of pictures by value under three transfer "
-            "functions. Particles become one Gaussian each unless "
-            "--error, --budget, --block or --lod is given",
-            error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian))
+            "against the voxels, in the worst of {} views. The search ends where voxels "
+            "interpolated linearly have the same error. Default for volumes: {}, but at most one "
+            "Gaussian to {} voxels ({} of small data). With --for: of pictures by value under "
+            "three transfer functions. Particles become one Gaussian each unless --error, "
+            "--budget, --block or --lod is given",
+            error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian, kSmallCount))
         ->check(CLI::Range(1e-9, 0.999999));
     add("--budget", moments.budget, "Find the best model with at most this many Gaussians")
         ->check(positive_number());

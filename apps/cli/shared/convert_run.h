@@ -52,8 +52,10 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
 struct MomentTotals {
     double cells_mass = 0, dropped_mass = 0;  ///< density times world volume
     double worst_error = -1;                  ///< relative L2 of T; below 0: not measured
-    double mean_error = -1;                   ///< likewise, over all views
-    bool stopped_by_count = false;            ///< MomentReport::stopped_by_count of any
+    double mean_error = -1;                   ///< the same over all views
+    /// MomentReport's: of the voxels interpolated linearly.
+    double interpolation_error = -1, mean_interpolation_error = -1;
+    bool stopped_by_count = false;  ///< MomentReport::stopped_by_count of any
     std::size_t dropped_cells = 0;
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 
@@ -63,6 +65,8 @@ struct MomentTotals {
         dropped_cells += one.dropped_cells;
         worst_error = std::max(worst_error, one.measured_error);
         mean_error = std::max(mean_error, one.mean_error);
+        interpolation_error = std::max(interpolation_error, one.interpolation_error);
+        mean_interpolation_error = std::max(mean_interpolation_error, one.mean_interpolation_error);
         stopped_by_count |= one.stopped_by_count;
         for (const auto& [name, ms] : one.stage_ms) {
             const auto known = std::find_if(stage_ms.begin(), stage_ms.end(),
@@ -81,6 +85,8 @@ struct MomentTotals {
         all.dropped_cells = dropped_cells;
         all.measured_error = worst_error;
         all.mean_error = mean_error;
+        all.interpolation_error = interpolation_error;
+        all.mean_interpolation_error = mean_interpolation_error;
         all.stopped_by_count = stopped_by_count;
         all.stage_ms = stage_ms;
         return all;

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <tuple>
 
 #include "conversion/whole_error.h"
 #include "fields/part_fields.h"
@@ -152,7 +151,8 @@ class PartConversion {
         MomentTotals totals;  // of the best: each conversion overwrites totals_
         smallest_budget(target, finest, [&](std::size_t budget) {
             std::vector<Gaussians> models = convert(parts, budget);
-            const double measured = error.of(models).first;
+            const double measured = error_beyond_interpolation(
+                error.of(models), error.interpolation(), target, from_.active_voxels);
             if (measured <= target || budget >= finest) {
                 best = std::move(models);
                 totals = totals_;
@@ -388,10 +388,15 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     model.description = description_of(parts, model.inputs, from, options, ranks);
     MomentTotals totals = conversion.totals();
     const double data_mass = conversion.data_mass();
-    if (error)
-        std::tie(totals.worst_error, totals.mean_error) =
-            stages.run("measure", [&] { return error->of(model.inputs); });
-    totals.stopped_by_count = searches && moments.error == 0 && totals.worst_error > kDefaultError;
+    if (error) {
+        const RelativeError whole = stages.run("measure", [&] { return error->of(model.inputs); });
+        totals.worst_error = whole.worst, totals.mean_error = whole.mean;
+        totals.interpolation_error = error->interpolation().worst;
+        totals.mean_interpolation_error = error->interpolation().mean;
+        const double beyond = error_beyond_interpolation(whole, error->interpolation(),
+                                                         kDefaultError, from.active_voxels);
+        totals.stopped_by_count = searches && moments.error == 0 && beyond > kDefaultError;
+    }
     std::uint64_t count = 0;
     for (const Gaussians& part : model.inputs) count += part.size();
     count = ranks.sum(count);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/splat.h"
@@ -12,24 +11,38 @@
 namespace vog::mpi {
 
 WholeError::WholeError(std::span<const Volume> volumes, const Box& box, const Ranks& ranks)
-    : ranks_(ranks), cameras_(error_views(error_view_box(volumes, box, &ranks.collective()))) {
-    std::vector<VoxelGrid> grids;
-    for (const Volume& volume : volumes) grids.push_back(voxel_grid(volume));
+    : ranks_(ranks), cameras_(error_views(volumes, box, &ranks.collective())) {
+    const auto grids_of = [&](const VoxelGridOptions& options) {
+        std::vector<VoxelGrid> grids;
+        for (const Volume& volume : volumes) grids.push_back(voxel_grid(volume, options));
+        return grids;
+    };
+    const auto picture_of = [](const std::vector<VoxelGrid>& grids, const Camera& camera) {
+        return render_reference(grids, camera, kErrorViewSize_px, kErrorViewSize_px);
+    };
+    std::vector<VoxelGrid> grids = grids_of({});
     for (const Camera& camera : cameras_) {
-        references_.push_back(
-            render_reference(grids, camera, kErrorViewSize_px, kErrorViewSize_px));
+        references_.push_back(picture_of(grids, camera));
         ranks.sum_at_first(references_.back());
     }
+    grids = grids_of({Interpolation::linear, 0});
+    interpolation_ = of([&](const Camera& camera) { return picture_of(grids, camera); });
 }
 
-std::pair<double, double> WholeError::of(const std::vector<Gaussians>& models) const {
+RelativeError WholeError::of(const std::vector<Gaussians>& models) const {
     Gaussians model;
     for (const Gaussians& one : models)
         if (one.size() > 0) append(model, one);
-    std::vector<double> sums(2 * cameras_.size());  // each view's (T - T_ref)^2, T_ref^2
     SplatRenderer renderer(model);
+    return of([&](const Camera& camera) {
+        return renderer.render(camera, kErrorViewSize_px, kErrorViewSize_px);
+    });
+}
+
+RelativeError WholeError::of(const std::function<DepthImage(const Camera&)>& picture_of) const {
+    std::vector<double> sums(2 * cameras_.size());  // each view's (T - T_ref)^2, T_ref^2
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
-        DepthImage image = renderer.render(cameras_[view], kErrorViewSize_px, kErrorViewSize_px);
+        DepthImage image = picture_of(cameras_[view]);
         ranks_.sum_at_first(image);
         if (!ranks_.first()) continue;
         for (std::size_t n = 0; n < image.depth.size(); ++n) {

@@ -1,13 +1,13 @@
 // whole_error.h: the measured error of a model that is spread over all ranks.
 #pragma once
 
+#include <functional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "ranks.h"
 #include "vog/camera.h"
-#include "vog/convert_moments.h"
+#include "vog/distributed.h"
 #include "vog/gaussians.h"
 #include "vog/volume.h"
 
@@ -21,14 +21,20 @@ class WholeError {
     /// box      of the whole data, world space: frames the views
     WholeError(std::span<const Volume> volumes, const Box& box, const Ranks& ranks);
     /// models   of this rank
-    /// returns  worst and mean error of the views, the same on every rank
+    /// returns  the same on every rank
     /// throws   vog::Error, on every rank, if no view shows anything
-    std::pair<double, double> of(const std::vector<Gaussians>& models) const;
+    RelativeError of(const std::vector<Gaussians>& models) const;
+    /// Error of the same voxels, interpolated linearly, in place of a model.
+    const RelativeError& interpolation() const { return interpolation_; }
 
   private:
+    /// picture_of  T of this rank from a camera
+    RelativeError of(const std::function<DepthImage(const Camera&)>& picture_of) const;
+
     const Ranks& ranks_;
     std::vector<Camera> cameras_;
     std::vector<DepthImage> references_;  ///< on the first rank: T of the whole volume
+    RelativeError interpolation_;
 };
 
 }  // namespace vog::mpi

@@ -176,7 +176,7 @@ class CellSums {
           components_(components),
           layout_(layout),
           block_(block_voxels),
-          overlapping_(overlapping),
+          overlapping_(overlapping && block_voxels > 1),  // one voxel has no window
           to_world_(transpose(inverse(volume.world_from_index).linear)),
           cube_(weights()) {}
     Scratch scratch() const {
@@ -196,14 +196,12 @@ class CellSums {
         if (!overlapping_)
             return std::vector<float>(static_cast<std::size_t>(std::min(block_, kLeafEdge)), 1);
         constexpr auto kOuter = static_cast<float>(moments::kOuterWeight);
-        // Half cells of one voxel's cell are samples of their own.
-        const auto half = static_cast<std::size_t>(std::max(1, block_ / 2));
+        const auto half = static_cast<std::size_t>(block_ / 2);
         std::vector<float> all(4 * half, 1 - kOuter);
         std::fill_n(all.begin(), half, kOuter);
         std::fill_n(all.end() - static_cast<std::ptrdiff_t>(half), half, kOuter);
         return all;
     }
-    double sample_edge() const { return overlapping_ && block_ == 1 ? 0.5 : 1; }
     /// Sets the samples of a cell of a leaf, or of a window about one.
     /// place  of the cell among the node's
     void fill_hard(const MortonNode& node, Vec3i place, const MassScale& scale,
@@ -243,7 +241,7 @@ class CutCells : CellSums {
         : CellSums(volume, components, layout, cut.block_voxels, cut.overlapping),
           cut_(cut),
           nodes_(moments::morton_nodes(volume)) {
-        if (cut.overlapping) windows_.emplace(volume, nodes_, cut.block_voxels);
+        if (overlapping_) windows_.emplace(volume, nodes_, cut.block_voxels);
         // Nodes of one cell stay together.
         for (std::size_t n = 0; n < nodes_.size(); ++n)
             if (tasks_.empty() || (n - tasks_.back() >= moments::kNodeChunk && begins_cell(n)))
@@ -347,7 +345,7 @@ void CellSums::take_cell(const moments::CutCell& cell, Scratch& scratch, CellFie
     add_cell(
         cell.sums,
         [&](const auto& use) {
-            use(Samples{&cube_, scratch.mass.data(), &scratch.value, {}, sample_edge()});
+            use(Samples{&cube_, scratch.mass.data(), &scratch.value, {}, 1});
         },
         to);
 }
@@ -395,10 +393,10 @@ template <int edge>
 void CellSums::fill_window_of(const moments::OverlapScratch& windows, Vec3i place,
                               const MassScale& scale, Scratch& scratch) const {
     constexpr int reach = kLeafEdge + 2 * edge, halves = 2 * reach / edge;
-    constexpr int across = edge == 1 ? 4 : 2 * edge;
+    constexpr int across = 2 * edge;
     // Voxel and half cell of sample s along an axis, in the gathered cube: constants, so that rows are vectors.
-    const auto voxel = [](int s) { return edge == 1 ? (1 + s) / 2 : edge - edge / 2 + s; };
-    const auto half = [](int s) { return 1 + (edge == 1 ? s : s / std::max(1, edge / 2)); };
+    const auto voxel = [](int s) { return edge - edge / 2 + s; };
+    const auto half = [](int s) { return 1 + s / (edge / 2); };
     const auto copy = [&](const float* from, auto&& change, float* to) {
         for (int x = 0; x < across; ++x)
             for (int y = 0; y < across; ++y, to += across) {
@@ -413,6 +411,9 @@ void CellSums::fill_window_of(const moments::OverlapScratch& windows, Vec3i plac
     for (std::size_t n = 0; n < cube_.count; ++n) mass[n] *= cube_.weight[n];
     if (windows.shared) {
         const Vec3i cell{2 * (place.x / edge), 2 * (place.y / edge), 2 * (place.z / edge)};
+        constexpr int cells = reach / edge;
+        const std::uint32_t joined = windows.joined[static_cast<std::size_t>(
+            ((cell.x / 2 + 1) * cells + cell.y / 2 + 1) * cells + cell.z / 2 + 1)];
         float* to = mass;
         for (int x = 0; x < across; ++x)
             for (int y = 0; y < across; ++y, to += across) {
@@ -421,6 +422,11 @@ void CellSums::fill_window_of(const moments::OverlapScratch& windows, Vec3i plac
                                     cell.z;
                 for (int z = 0; z < across; ++z)
                     if (to[z] > 0) to[z] /= static_cast<float>(row[half(z)]);
+                if (!windows.apart) continue;
+                const auto step = [&](int s) { return half(s) / 2 - 1; };
+                for (int z = 0; z < across; ++z)
+                    if (!(joined >> moments::neighbour_bit({step(x), step(y), step(z)}) & 1))
+                        to[z] = 0;
             }
     }
     for (std::size_t c = 0; c < components_.size(); ++c) {
@@ -434,7 +440,6 @@ void CellSums::fill_window_of(const moments::OverlapScratch& windows, Vec3i plac
 
 void CellSums::fill_window(const moments::OverlapScratch& windows, Vec3i place,
                            const MassScale& scale, Scratch& scratch) const {
-    if (block_ == 1) return fill_window_of<1>(windows, place, scale, scratch);
     if (block_ == 2) return fill_window_of<2>(windows, place, scale, scratch);
     if (block_ == 4) return fill_window_of<4>(windows, place, scale, scratch);
     fill_window_of<8>(windows, place, scale, scratch);

@@ -72,8 +72,14 @@ std::string detail_text(const MomentReport& report) {
                         "L2 of T, {} views of {}x{})",
                         report.measured_error, report.mean_error, error_views(Box{}).size(),
                         kErrorViewSize_px, kErrorViewSize_px));
+    if (report.interpolation_error >= 0)
+        add(fmt::format(
+            "{} ({:.4g}, {:.4g} on average)",
+            report.as_near_as_interpolation() ? "as near as interpolation is" : "interpolation has",
+            report.interpolation_error, report.mean_interpolation_error));
     if (report.stopped_by_count)
-        add(fmt::format("stopped at one Gaussian to {} voxels, or 256", kVoxelsPerGaussian));
+        add(fmt::format("stopped at one Gaussian to {} voxels, or {}", kVoxelsPerGaussian,
+                        kSmallCount));
     return text;
 }
 

@@ -209,7 +209,8 @@ Gaussians run(MomentJob& job) {
     std::optional<joint::OwnCellFields> own;
     CellReceiver receiver;
     if (!job.options.own_field.empty() && job.has_fine_cells() && copies.empty()) {
-        own.emplace(job.volume(), job.options.own_field, job.options.block_voxels, job.overlaps());
+        own.emplace(job.volume(), job.options.own_field, job.options.block_voxels,
+                    job.shares_voxels());
         receiver = own->receiver();
         job.receiver = &receiver;
     }
@@ -218,11 +219,11 @@ Gaussians run(MomentJob& job) {
     if (own) std::move(*own).move_to(model);
     if (job.has_uniform_cells())
         job.report.cells =
-            UniformCells{job.options.block_voxels, job.overlaps(),
+            UniformCells{job.options.block_voxels, job.shares_voxels(),
                          copies.empty() ? job.least_mass : std::ldexp(job.least_mass, exponent)};
     if (job.options.measure && job.report.measured_error < 0) {
         const ErrorViews views(job.parts, job.box);
-        job.report_error(views.relative_l2(model), views);
+        job.report_error(views.relative_l2(model), views.interpolation(job.parts), views);
         job.clock.end_stage("measure", 1);
     }
     model.box = job.box;
@@ -272,10 +273,11 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     validate(volume);
     MomentReport unwanted;
     MomentJob job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
+    job.most_cells = active_voxels(volume);
     Gaussians model = run(job);
     model.content = content_of({&volume, 1}, job.box);
     add_own_field(model, job, {&volume, 1});
-    model.source_voxels = active_voxels(volume);
+    model.source_voxels = job.most_cells;
     set_summary(model, job);
     return model;
 }
@@ -288,6 +290,7 @@ Gaussians convert_moments(const Composite& data, const MomentOptions& options,
     for (const Volume& part : data.parts) validate(part);
     MomentReport unwanted;
     MomentJob job{data.parts, data.box, true, options, report ? *report : unwanted};
+    if (data.voxels > 0) job.most_cells = data.voxels;
     Gaussians model = run(job);
     model.content = data.content;
     add_own_field(model, job, data.parts);

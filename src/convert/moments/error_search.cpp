@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vog/convert_moments.h"
 #include "vog/distributed.h"
 
 namespace vog::moments {
@@ -80,6 +81,13 @@ std::size_t smallest_budget(double target, std::size_t finest_count,
 }  // namespace vog::moments
 
 namespace vog {
+
+double error_beyond_interpolation(const RelativeError& error, const RelativeError& interpolation,
+                                  double target, std::size_t finest) {
+    if (finest <= kSmallCount) return error.worst;
+    return target * std::max(error.worst / std::max(target, interpolation.worst),
+                             error.mean / std::max(target, interpolation.mean));
+}
 
 std::size_t smallest_budget(double target, std::size_t finest,
                             const std::function<double(std::size_t)>& error_of_budget) {

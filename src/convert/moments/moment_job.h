@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -50,6 +51,8 @@ struct MomentJob {
     bool levels = false;  ///< parts are levels of a mesh: several lattices under one budget
     const MomentOptions& options;
     MomentReport& report;
+    /// Active voxels of the data: no cut has more cells. Unknown: the largest number.
+    std::uint64_t most_cells = std::numeric_limits<std::uint64_t>::max();
     /// World volume that masses are counted in: a voxel of the first part, which makes them sums of
     /// values; between processes that share levels, the largest of those.
     double unit_volume = 1;
@@ -64,6 +67,8 @@ struct MomentJob {
         return options.soft_steps < 0 && options.block_voxels && !levels &&
                options.block_voxels <= kLeafEdge && !options.collective;
     }
+    /// Whether these share voxels: a cell of one voxel has that voxel alone.
+    bool shares_voxels() const { return overlaps() && options.block_voxels > 1; }
     int soft_steps() const;
     /// Whether the model has one Gaussian for each kept cell of a uniform cut, unchanged.
     bool has_uniform_cells() const {
@@ -77,8 +82,12 @@ struct MomentJob {
     /// Values of all parts, for the default's limit: active voxels of leaves, and one of each tile; few
     /// tiles count as their samples, up to 2^16 in all.
     std::uint64_t values() const;
-    void report_error(const RelativeError& error, const ErrorViews& views) {
+    /// interpolation  ErrorViews::interpolation of the parts
+    void report_error(const RelativeError& error, const RelativeError& interpolation,
+                      const ErrorViews& views) {
         report.measured_error = error.worst, report.mean_error = error.mean;
+        report.interpolation_error = interpolation.worst;
+        report.mean_interpolation_error = interpolation.mean;
         report.view_note = views.note();
     }
     const Volume& volume() const { return parts.front(); }

@@ -21,10 +21,11 @@ class CellSource {
     CellSource(const MomentJob& job, const std::vector<MortonNode>& nodes)
         : volume_(job.volume()), nodes_(nodes), edge_(job.options.block_voxels) {
         if (job.overlaps()) windows_.emplace(volume_, nodes_, edge_);
+        shares_ = job.shares_voxels();
     }
     std::size_t chunk_count() const { return (nodes_.size() + kNodeChunk - 1) / kNodeChunk; }
     /// Calls take(node, windows, sums, center) for each cell of one chunk of nodes; windows is the node's scratch, null
-    /// for hard cells.
+    /// where cells do not share voxels.
     /// masses_only  take needs no other moments
     template <class Take>
     void for_each_cell_of_chunk(std::size_t chunk, bool masses_only, const Take& take) const {
@@ -32,7 +33,7 @@ class CellSource {
         OverlapScratch scratch;
         for (std::size_t n = chunk * kNodeChunk; n < last; ++n) {
             const auto of_node = [&](const MomentSums& sums, Vec3d center) {
-                take(nodes_[n], windows_ ? &scratch : nullptr, sums, center);
+                take(nodes_[n], shares_ ? &scratch : nullptr, sums, center);
             };
             if (windows_)
                 for_each_overlapping_cell(*windows_, nodes_[n], scratch, masses_only, of_node);
@@ -46,6 +47,7 @@ class CellSource {
     const std::vector<MortonNode>& nodes_;
     int edge_;
     std::optional<OverlappingCells> windows_;
+    bool shares_ = false;
 };
 
 /// Model of hard or overlapping cells of at most a leaf's edge in two passes over the leaves:

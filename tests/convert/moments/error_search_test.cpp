@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "vog/convert_moments.h"
 #include "vog/distributed.h"
 
 namespace vog {
@@ -86,6 +87,19 @@ TEST(error_search, a_start_is_near_the_target_and_knows_the_power) {
         EXPECT_NEAR(start.count / exact, 1, 0.01);
         EXPECT_NEAR(start.power, power, 0.01);
     }
+}
+
+TEST(error_search, an_error_below_that_of_interpolation_is_enough) {
+    const RelativeError interpolation{0.1, 0.05};
+    constexpr std::size_t kLarge = kSmallCount + 1;
+    const auto beyond = [&](double worst, double mean, double target, std::size_t finest) {
+        return error_beyond_interpolation({worst, mean}, interpolation, target, finest);
+    };
+    EXPECT_DOUBLE_EQ(beyond(0.1, 0.05, 0.02, kLarge), 0.02);
+    EXPECT_DOUBLE_EQ(beyond(0.2, 0.05, 0.02, kLarge), 0.04);
+    EXPECT_DOUBLE_EQ(beyond(0.1, 0.1, 0.02, kLarge), 0.04) << "the mean counts, too";
+    EXPECT_DOUBLE_EQ(beyond(0.3, 0.2, 0.15, kLarge), 0.3) << "a target above that of interpolation";
+    EXPECT_DOUBLE_EQ(beyond(0.2, 0.05, 0.02, kSmallCount), 0.2) << "small data";
 }
 
 }  // namespace

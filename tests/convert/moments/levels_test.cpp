@@ -179,7 +179,8 @@ TEST(moment_levels, a_budget_goes_where_gains_are_scaled_up) {
     const std::vector<CutTree> trees{cut_tree(field, 1), cut_tree(field, 10)};
     const auto cells = best_cut(trees, 900);
     EXPECT_LE(cells[0].size() + cells[1].size(), 900u);
-    EXPECT_GE(cells[0].size() + cells[1].size(), 890u);
+    // To 2 %: a split over a gap comes with those above it.
+    EXPECT_GE(cells[0].size() + cells[1].size(), 882u);
     EXPECT_LT(cells[0].size(), cells[1].size());
     const auto fewest = best_cut(trees, 1);
     EXPECT_EQ(fewest[0].size(), 1u) << "at least one of each";

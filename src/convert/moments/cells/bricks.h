@@ -20,6 +20,9 @@ struct Brick {
     double spacing = 1;  ///< voxels: 1 for leaves and small tiles
     const Leaf* leaf = nullptr;
     float value = 0;  ///< density of every sample, if leaf is null
+    /// Edge of the data's voxels, in units of the index space: less than that of samples in a tile, more in a brick that
+    /// was divided.
+    double voxel = 1;
 
     float sample(int n) const { return leaf ? leaf->value[static_cast<std::size_t>(n)] : value; }
     /// Voxels per sample.

@@ -116,13 +116,18 @@ class BrickMap {
   public:
     explicit BrickMap(LatticeField& field) : field_(field) {}
 
+    struct Samples {
+        const Leaf* leaf;
+        float value;     ///< density of every sample, if leaf is null
+        int voxel_size;  ///< the data's voxels are 2^voxel_size of the finest wide
+    };
     /// Adds 8^3 samples of 2^size voxels; sums the densities where a brick has this size and
     /// origin.
-    void add(int size, Vec3i origin, const Leaf* leaf, float value) {
+    void add(int size, Vec3i origin, const Samples& samples) {
+        const auto& [leaf, value, voxel_size] = samples;
         if (static_cast<std::size_t>(size) >= sizes_.size())
             sizes_.resize(static_cast<std::size_t>(size) + 1);
-        auto [place, is_new] =
-            sizes_[static_cast<std::size_t>(size)].try_emplace(origin, Samples{leaf, value});
+        auto [place, is_new] = sizes_[static_cast<std::size_t>(size)].try_emplace(origin, samples);
         if (is_new) return;
         Leaf& sum = new_leaf(field_, origin);
         for (int n = 0; n < kLeafVoxels; ++n) {
@@ -131,7 +136,7 @@ class BrickMap {
             sum.value[at] = (leaf ? leaf->value[at] : value) +
                             (other.leaf ? other.leaf->value[at] : other.value);
         }
-        place->second = {&sum, 0};
+        place->second = {&sum, 0, std::min(voxel_size, place->second.voxel_size)};
     }
 
     /// Divides every brick that contains a smaller one.
@@ -156,8 +161,8 @@ class BrickMap {
         BigVector<Brick> all;
         for (std::size_t size = 0; size < sizes_.size(); ++size)
             for (const auto& [origin, samples] : sizes_[size])
-                all.push_back(
-                    {origin, std::ldexp(1.0, static_cast<int>(size)), samples.leaf, samples.value});
+                all.push_back({origin, std::ldexp(1.0, static_cast<int>(size)), samples.leaf,
+                               samples.value, std::ldexp(1.0, samples.voxel_size)});
         std::sort(all.begin(), all.end(),
                   [](const Brick& a, const Brick& b) { return morton_less(a.origin, b.origin); });
         // After sorting: nearby leaves are read together, which saves paging under a memory limit.
@@ -171,11 +176,6 @@ class BrickMap {
     }
 
   private:
-    struct Samples {
-        const Leaf* leaf;
-        float value;  ///< density of every sample, if leaf is null
-    };
-
     static Vec3i around(Vec3i origin, std::size_t size) {
         const int shift = static_cast<int>(size) + 3;
         for (int axis = 0; axis < 3; ++axis) origin[axis] = origin[axis] >> shift << shift;
@@ -189,7 +189,7 @@ class BrickMap {
             const Vec3i half{eighth >> 2, eighth >> 1 & 1, eighth & 1};
             const Vec3i at = origin + (kLeafEdge << (size - 1)) * half;
             if (!samples.leaf) {
-                add(size - 1, at, nullptr, samples.value);
+                add(size - 1, at, samples);
                 continue;
             }
             Leaf& fine = new_leaf(field_, at);
@@ -203,7 +203,7 @@ class BrickMap {
                 largest = std::max(largest, value);
             }
             if (largest > 0)
-                add(size - 1, at, &fine, 0);
+                add(size - 1, at, {&fine, 0, samples.voxel_size});
             else
                 field_.leaves.remove_last();
         }
@@ -233,7 +233,7 @@ void add_moved(const Volume& volume, Vec3i corner, int size, LatticeField& field
         if (tile.edge == kLeafEdge)
             for (int n = 0; n < kLeafVoxels; ++n)
                 set(tile.origin - corner + Vec3i{n >> 6, n >> 3 & 7, n & 7}, tile.value);
-    for (const auto& [origin, leaf] : moved) map.add(size, (1 << size) * origin, leaf, 0);
+    for (const auto& [origin, leaf] : moved) map.add(size, (1 << size) * origin, {leaf, 0, size});
 }
 
 void add_member(const Member& member, int size, LatticeField& field, BrickMap& map) {
@@ -243,12 +243,12 @@ void add_member(const Member& member, int size, LatticeField& field, BrickMap& m
     if (!whole_leaves) add_moved(volume, corner, size, field, map);
     for (const Leaf& leaf : volume.leaves) {
         keep_memory();
-        if (whole_leaves) map.add(size, (1 << size) * (leaf.origin - corner), &leaf, 0);
+        if (whole_leaves) map.add(size, (1 << size) * (leaf.origin - corner), {&leaf, 0, size});
     }
     for (const Tile& tile : volume.tiles)
         if (whole_leaves || tile.edge > kLeafEdge)
             map.add(size + std::countr_zero(static_cast<unsigned>(tile.edge / kLeafEdge)),
-                    (1 << size) * (tile.origin - corner), nullptr, tile.value);
+                    (1 << size) * (tile.origin - corner), {nullptr, tile.value, size});
 }
 
 }  // namespace

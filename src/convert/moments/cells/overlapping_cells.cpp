@@ -109,18 +109,63 @@ void OverlappingCells::gather(const MortonNode& node, const VoxelValues& field,
 }
 
 template <int edge>
-bool OverlappingCells::find_shares(OverlapScratch& scratch) const {
+void OverlappingCells::find_joined(OverlapScratch& scratch) const {
     constexpr int cells = Around<edge>::cells, reach = Around<edge>::reach;
-    constexpr int halves = Around<edge>::halves;
-    scratch.occupied.assign(std::size_t{cells} * cells * cells, 0);
+    constexpr std::size_t count = std::size_t{cells} * cells * cells;
+    scratch.occupied.assign(count, 0);
+    scratch.joined.assign(count, ~std::uint32_t{0});
+    scratch.apart = false;
+    std::array<std::array<Vec3i, 2>, count> bounds;  // first and last voxel with mass
     const float* value = scratch.values.data();
     for (int x = 0; x < reach; ++x)
-        for (int y = 0; y < reach; ++y) {
-            double* row = scratch.occupied.data() + (x / edge * cells + y / edge) * cells;
-            for (int z = 0; z < reach; ++z, ++value)
-                if (*value > 0) row[z / edge] = 1;
+        for (int y = 0; y < reach; ++y)
+            for (int z = 0; z < reach; ++z, ++value) {
+                if (!(*value > 0)) continue;
+                const auto cell =
+                    static_cast<std::size_t>((x / edge * cells + y / edge) * cells + z / edge);
+                auto& [first, last] = bounds[cell];
+                if (scratch.occupied[cell] == 0) first = last = {x, y, z};
+                scratch.occupied[cell] = 1;
+                first = {first.x, std::min(first.y, y), std::min(first.z, z)};
+                last = {x, std::max(last.y, y), std::max(last.z, z)};
+            }
+    const auto is_apart = [&](std::size_t a, std::size_t b) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const int empty = std::max(bounds[a][0][axis] - bounds[b][1][axis],
+                                       bounds[b][0][axis] - bounds[a][1][axis]) -
+                              1;
+            if (2 * empty >= edge) return true;
         }
-    if (std::ranges::all_of(scratch.occupied, [](double any) { return any != 0; })) return false;
+        return false;
+    };
+    const auto cell_at = [](Vec3i at) {
+        return static_cast<std::size_t>((at.x * cells + at.y) * cells + at.z);
+    };
+    for (std::size_t a = 0; a < count; ++a) {
+        if (scratch.occupied[a] == 0) continue;
+        const auto n = static_cast<int>(a);
+        const Vec3i at{n / (cells * cells), n / cells % cells, n % cells};
+        for (int bit = neighbour_bit({0, 0, 0}) + 1; bit < 27; ++bit) {
+            const Vec3i step{bit / 9 - 1, bit / 3 % 3 - 1, bit % 3 - 1}, other = at + step;
+            if (std::min({other.x, other.y, other.z}) < 0 ||
+                std::max({other.x, other.y, other.z}) >= cells)
+                continue;
+            const std::size_t b = cell_at(other);
+            if (scratch.occupied[b] == 0 || !is_apart(a, b)) continue;
+            scratch.joined[a] &= ~(std::uint32_t{1} << bit);
+            scratch.joined[b] &= ~(std::uint32_t{1} << (26 - bit));
+            scratch.apart = true;
+        }
+    }
+}
+
+template <int edge>
+bool OverlappingCells::find_shares(OverlapScratch& scratch) const {
+    constexpr int cells = Around<edge>::cells, halves = Around<edge>::halves;
+    find_joined<edge>(scratch);
+    if (!scratch.apart &&
+        std::ranges::all_of(scratch.occupied, [](double any) { return any != 0; }))
+        return false;
     // Along one axis after the other a half cell gets 7/8 of its own cell and 1/8 of the cell that
     // it borders.
     const auto spread = [](const double* from, double* to, int outer, int inner) {
@@ -136,14 +181,51 @@ bool OverlappingCells::find_shares(OverlapScratch& scratch) const {
     scratch.along_x.resize(std::size_t{halves} * cells * cells);
     scratch.along_y.resize(std::size_t{halves} * halves * cells);
     scratch.window_sums.resize(std::size_t{halves} * halves * halves);
+    if (scratch.apart) {
+        for (int n = 0; n < halves * halves * halves; ++n) {
+            const Vec3i half{n / (halves * halves), n / halves % halves, n % halves};
+            const Vec3i at{half.x / 2, half.y / 2, half.z / 2};
+            const auto cell = static_cast<std::size_t>((at.x * cells + at.y) * cells + at.z);
+            double& sum = scratch.window_sums[static_cast<std::size_t>(n)] = 0;
+            for (int k = 0; k < 8; ++k) {
+                Vec3i step{k >> 2, k >> 1 & 1, k & 1}, other;
+                double weight = 1;
+                bool inside = true;
+                for (int axis = 0; axis < 3; ++axis) {
+                    weight *= step[axis] ? kOuterWeight : 1 - kOuterWeight;
+                    if (half[axis] % 2 == 0) step[axis] = -step[axis];
+                    other[axis] = at[axis] + step[axis];
+                    inside &= other[axis] >= 0 && other[axis] < cells;
+                }
+                if (inside && scratch.joined[cell] >> neighbour_bit(step) & 1)
+                    sum += weight * scratch.occupied[static_cast<std::size_t>(
+                                        (other.x * cells + other.y) * cells + other.z)];
+            }
+        }
+        return true;
+    }
     spread(scratch.occupied.data(), scratch.along_x.data(), 1, cells * cells);
     spread(scratch.along_x.data(), scratch.along_y.data(), halves, cells);
     spread(scratch.along_y.data(), scratch.window_sums.data(), halves * halves, 1);
     return true;
 }
 
-template <int edge>
+void OverlappingCells::take_voxels(OverlapScratch& scratch) const {
+    constexpr int reach = Around<1>::reach;
+    for (std::size_t n = 0; n < scratch.cells.size(); ++n) {
+        const Vec3i at = morton_place(static_cast<int>(n)) + Vec3i{1, 1, 1};
+        const float* voxel = scratch.values.data() + (at.x * reach + at.y) * reach + at.z;
+        if (!(*voxel > 0)) continue;
+        const auto second = [&](int step) {
+            const double shared = std::min(*voxel, voxel[step]) + std::min(*voxel, voxel[-step]);
+            return kBoxVariance * (*voxel + 0.5 * std::max(0.0, shared));
+        };
+        scratch.cells[n] = {*voxel, {}, {second(reach * reach), 0, 0, second(reach), 0, second(1)}};
+    }
+}
+
 void OverlappingCells::take_fine(OverlapScratch& scratch, bool shared, bool masses_only) const {
+    constexpr int edge = 2;
     constexpr std::size_t halves = Around<edge>::halves, cells = kLeafEdge / edge;
     constexpr std::size_t plane = halves * halves, reach = Around<edge>::reach;
     constexpr double half = 0.5 * edge, volume = half * half * half;
@@ -213,6 +295,7 @@ void OverlappingCells::take_fine(OverlapScratch& scratch, bool shared, bool mass
 template <int edge>
 void OverlappingCells::take_coarse(OverlapScratch& scratch, bool shared) const {
     constexpr int half = edge / 2, halves = Around<edge>::halves, reach = Around<edge>::reach;
+    constexpr int cells = Around<edge>::cells;
     const auto at = [&](int x, int y, int z) {
         return static_cast<std::size_t>((x * halves + y) * halves + z);
     };
@@ -230,10 +313,14 @@ void OverlappingCells::take_coarse(OverlapScratch& scratch, bool shared) const {
             }
     for (std::size_t n = 0; n < scratch.cells.size(); ++n) {
         const Vec3i place = morton_place(static_cast<int>(n));
+        const std::uint32_t joined = scratch.joined[static_cast<std::size_t>(
+            ((place.x + 1) * cells + place.y + 1) * cells + place.z + 1)];
         MomentSums& cell = scratch.cells[n];
         cell = {};
         for (int k = 0; k < 64; ++k) {
             const Vec3i tap{k >> 4, k >> 2 & 3, k & 3};
+            const auto step = [](int half_cell) { return (half_cell + 1) / 2 - 1; };
+            if (!(joined >> neighbour_bit({step(tap.x), step(tap.y), step(tap.z)}) & 1)) continue;
             MomentSums part = scratch.half_sums[at(2 * place.x + 1 + tap.x, 2 * place.y + 1 + tap.y,
                                                    2 * place.z + 1 + tap.z)];
             if (!(part.mass > 0)) continue;
@@ -295,16 +382,21 @@ void OverlappingCells::take_leaf(const MortonNode& node, OverlapScratch& scratch
                                                           [](float v) { return v > 0; });
     if (!has_mass) return;
     gather_around<edge>(node, leaf_of, tile_of, scratch.values);
-    const bool shared = scratch.shared = find_shares<edge>(scratch);
-    if constexpr (edge <= 2)
-        take_fine<edge>(scratch, shared, masses_only);
-    else
-        take_coarse<edge>(scratch, shared);
-    // A window reaches voxels of its neighbours: only occupied cells have one.
-    for (std::size_t n = 0; shared && n < scratch.cells.size(); ++n) {
-        const Vec3i at = morton_place(static_cast<int>(n)) + Vec3i{1, 1, 1};
-        if (scratch.occupied[static_cast<std::size_t>((at.x * cells + at.y) * cells + at.z)] == 0)
-            scratch.cells[n] = {};
+    if constexpr (edge == 1) {
+        take_voxels(scratch);
+    } else {
+        const bool shared = scratch.shared = find_shares<edge>(scratch);
+        if (edge == 2 && !scratch.apart)
+            take_fine(scratch, shared, masses_only);
+        else
+            take_coarse<edge>(scratch, shared);
+        // A window reaches voxels of its neighbours: only occupied cells have one.
+        for (std::size_t n = 0; shared && n < scratch.cells.size(); ++n) {
+            const Vec3i at = morton_place(static_cast<int>(n)) + Vec3i{1, 1, 1};
+            if (scratch.occupied[static_cast<std::size_t>((at.x * cells + at.y) * cells + at.z)] ==
+                0)
+                scratch.cells[n] = {};
+        }
     }
 }
 

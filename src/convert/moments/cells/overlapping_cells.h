@@ -3,6 +3,9 @@
 // cutoff: a constant field then varies by 27 % (root mean square) along the axes, a grid of dots. A
 // window has the weights 1/8, 7/8, 7/8, 1/8 on half cells along each axis, which add up to one:
 // deviation 0.453 b, 2.2 % along the axes, 1.8 % along diagonals of faces, 2.0 % of cubes.
+// A cell of one voxel has that voxel alone. Along each axis it is as wide as its box, of variance 1/12, and wider by
+// the mass that it has in common with its two neighbours: between voxels alike 1/6, the variance of the tent that linear
+// interpolation makes of a voxel. No ripples, and no blur between unlike ones.
 #pragma once
 
 #include <span>
@@ -24,15 +27,21 @@ inline constexpr double kOuterWeight = 0.125;
 struct OverlapScratch {
     std::vector<float> values;     ///< voxels of the node's cells and of one ring of cells around
     std::vector<double> occupied;  ///< 1 for those cells with a voxel above 0, else 0
+    /// Which cells around each of them have windows on its voxels: bit neighbour_bit(step).
+    std::vector<std::uint32_t> joined;
+    bool apart = false;  ///< some have none: empty space lies between
     std::vector<double> window_sums, halves, along_x, along_y;
     std::vector<MomentSums> half_sums;
     std::vector<MomentSums> cells;  ///< the node's cells in Morton order, about their centres
     int side = 1;                   ///< edge of these cells, voxels
-    bool shared = false;            ///< window_sums are set: not all cells have a voxel above 0
+    bool shared = false;            ///< window_sums are set: not all cells have the whole window
 };
+/// step  from a cell to one around, {-1, 0, 1}^3
+constexpr int neighbour_bit(Vec3i step) { return 9 * step.x + 3 * step.y + step.z + 13; }
 
 /// Windows over the leaves and tiles of one volume. Occupied cells alone have windows: the share of
-/// an empty neighbour goes to the others, so that there are as many Gaussians as with hard cells.
+/// an empty neighbour goes to the others, so that there are as many Gaussians as with hard cells. Nor has a cell a
+/// window on voxels of a neighbour beyond half an edge of empty space: wider than its standard deviation.
 /// Cells of a tile above 8 voxels overlap each other only. Mass, mean and covariance of the whole
 /// are those of the voxels.
 class OverlappingCells {
@@ -56,14 +65,18 @@ class OverlappingCells {
     template <int edge, class LeafOf, class TileOf>
     void gather_around(const MortonNode& node, const LeafOf& leaf_of, const TileOf& tile_of,
                        std::vector<float>& values) const;
-    /// Sets scratch.occupied, and scratch.window_sums, the sum of the windows of occupied cells at
-    /// each half cell; false where all cells are occupied: sums of 1.
+    /// Sets scratch.occupied and scratch.joined.
+    template <int edge>
+    void find_joined(OverlapScratch& scratch) const;
+    /// Sets scratch.window_sums, the sum of the windows at each half cell; false where all cells are occupied
+    /// and joined: sums of 1.
     template <int edge>
     bool find_shares(OverlapScratch& scratch) const;
-    /// Cells of 1 and 2 voxels: half cells have a mass alone, the windows are separable.
-    template <int edge>
+    /// Cells of one voxel.
+    void take_voxels(OverlapScratch& scratch) const;
+    /// Cells of 2 voxels: half cells have a mass alone, the windows are separable.
     void take_fine(OverlapScratch& scratch, bool shared, bool masses_only) const;
-    /// Cells of 4 and 8 voxels: half cells have moments of their own.
+    /// Cells of 4 and 8 voxels, and those apart: half cells have moments of their own.
     template <int edge>
     void take_coarse(OverlapScratch& scratch, bool shared) const;
     void take_tile(const Tile& tile, OverlapScratch& scratch) const;

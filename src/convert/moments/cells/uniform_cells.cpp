@@ -54,9 +54,9 @@ PackedCells uniform_cells(const LatticeField& field, int block) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b) {
             const Brick& brick = field.bricks[b];
-            // Samples per cell edge. A sample of a tile, an eighth of its edge, may exceed the
-            // block.
-            const double samples = brick.leaf ? block : block * largest / brick.spacing;
+            // Samples per cell edge: more where voxels were divided. A sample of a tile, an eighth of
+            // its edge, may exceed the block.
+            const double samples = block * (brick.leaf ? brick.voxel : largest) / brick.spacing;
             const std::size_t first = samples >= 8   ? 0
                                       : samples >= 4 ? 1
                                       : samples >= 2 ? 9

@@ -40,7 +40,7 @@ constexpr Sides kSides = all_sides();
 }  // namespace
 
 std::array<std::uint8_t, 2> BinarySplits::sides(int n) const {
-    const auto [lower, upper] = kSides[axes][std::size_t(n)];
+    const auto [lower, upper] = kSides[axes & 15][std::size_t(n)];
     return {static_cast<std::uint8_t>(lower & occupied),
             static_cast<std::uint8_t>(upper & occupied)};
 }
@@ -73,7 +73,8 @@ int longest_axis(const Moments& moments, std::uint8_t mask, int allowed) {
 
 }  // namespace
 
-BinarySplits splits_of(const Octants& octants, double weight) {
+BinarySplits splits_of(const Octants& octants, double weight, const Extents& extents,
+                       double least_part) {
     BinarySplits splits;
     for (std::size_t o = 0; o < 8; ++o)
         if (octants[o].mass > 0) splits.occupied |= static_cast<std::uint8_t>(1 << o);
@@ -92,9 +93,12 @@ BinarySplits splits_of(const Octants& octants, double weight) {
         }
         side = splits.sides(n);
         if (!side[0] || !side[1]) continue;
-        const double gain =
-            weight * split_gain(whole, joined_octants(octants, side[0]),
-                                joined_octants(octants, side[1]), DepthPower::quarter);
+        const Moments lower = joined_octants(octants, side[0]),
+                      upper = joined_octants(octants, side[1]);
+        double gain = weight * split_gain(whole, lower, upper, DepthPower::quarter);
+        if (std::min(lower.mass, upper.mass) >= least_part &&
+            bridges(whole, joined_extents(extents, side[0]), joined_extents(extents, side[1])))
+            gain *= kBridgeFactor;
         const auto finite = static_cast<float>(
             std::min(gain, static_cast<double>(std::numeric_limits<float>::max())));
         splits.gain[std::size_t(n)] = to_bfloat16(finite);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "convert/moments/cut/empty_space.h"
 #include "convert/moments/gaussian_moments.h"
 #include "core/bfloat16.h"
 
@@ -21,9 +22,11 @@ struct BinarySplits {
     BFloat16 max_gain = 0;           ///< upper bound on the gains of the cell and all cells inside
     std::uint8_t occupied = 0;       ///< mask of the octants with mass
     /// Bits 0-1: axis of split 0. Bits 2 and 3: whether splits 1 and 2 are across the higher of the
-    /// two axes that are left.
+    /// two axes that are left. Bit 4: the cell is one voxel or a part of one, which is not split.
     std::uint8_t axes = 0;
 
+    static constexpr std::uint8_t kOneVoxel = 1 << 4;
+    bool is_one_voxel() const { return axes & kOneVoxel; }
     /// Masks of the occupied octants on the lower and upper side of split n.
     std::array<std::uint8_t, 2> sides(int n) const;
 };
@@ -33,10 +36,16 @@ using Octants = std::array<Moments, 8>;
 /// Moments of the octants in a mask other than 0.
 Moments joined_octants(const Octants& octants, std::uint8_t mask);
 
+/// Factor on the gain of splits between parts that one Gaussian would bridge (cut/empty_space.h): a budget
+/// pays for them before any other, and for the best ones first where it is too small.
+inline constexpr double kBridgeFactor = 1 << 20;
+
 /// Chooses for each split the axis of largest variance, and evaluates split_gain of its two sides.
-/// weight   factor on all gains
-/// returns  max_gain is of this cell alone
-BinarySplits splits_of(const Octants& octants, double weight);
+/// weight      factor on all gains
+/// least_part  mass of the lighter side from which on kBridgeFactor counts
+/// returns     max_gain is of this cell alone
+BinarySplits splits_of(const Octants& octants, double weight, const Extents& extents = {},
+                       double least_part = 0);
 
 /// Optimal pruning of a subtree under a Lagrange multiplier lambda, the cost of a Gaussian.
 struct Subtree {

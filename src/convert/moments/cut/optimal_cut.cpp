@@ -102,11 +102,14 @@ std::size_t first_inside(std::span<const BinarySplits> splits, std::size_t n) {
 
 /// Sets the splits of all nodes of a brick, bottom up. Visibility is evaluated for cells of 4^3
 /// samples and larger; smaller cells take their parent's.
-/// with_mass  out: the nodes with mass, in order
-void set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, double scale,
-                      std::span<BinarySplits> with_mass) {
+/// least_part  as of splits_of
+/// with_mass   out: the nodes with mass, in order
+/// returns     extent of the brick
+Extent set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, double scale,
+                        double least_part, std::span<BinarySplits> with_mass) {
     std::array<BinarySplits, kBrickNodes> splits{};
     const BrickSums sums = brick_sums(brick);
+    const std::array<Extent, kBrickNodes> extents = brick_extents(brick);
     std::array<double, 9> weight{};
     for (std::size_t n = 0; n < 9; ++n)
         if (const Moments node = brick_node(brick, sums, n); node.mass > 0)
@@ -117,13 +120,19 @@ void set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, do
             splits[n] = splits[n + 1];
             continue;
         }
-        splits[n] = splits_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8]);
+        Extents octants;  // samples side by side have no gaps
+        if (n < 9) std::copy_n(extents.begin() + 8 * std::ptrdiff_t(n) + 1, 8, octants.begin());
+        splits[n] = splits_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8],
+                              octants, least_part);
+        const double edge = brick.spacing * (n < 1 ? 8 : n < 9 ? 4 : 2);
+        if (edge <= brick.voxel) splits[n].axes |= BinarySplits::kOneVoxel;
         if (n < 9)
             for (std::size_t child = 8 * n + 1; child <= 8 * n + 8; ++child)
                 splits[n].max_gain = std::max(splits[n].max_gain, splits[child].max_gain);
     }
     std::copy_if(splits.begin(), splits.end(), with_mass.begin(),
                  [](const BinarySplits& node) { return node.occupied != 0; });
+    return extents[0];
 }
 
 /// Optimal pruning of node n of a brick and all below.
@@ -132,7 +141,8 @@ void set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, do
 Subtree pruned_brick(std::span<const BinarySplits> splits, std::size_t n, double lambda,
                      std::array<std::uint8_t, kBrickNodes>& split_masks) {
     split_masks[n] = 0;
-    if (double{from_bfloat16(splits[n].max_gain)} <= lambda) return {0, 1};
+    if (splits[n].is_one_voxel() || double{from_bfloat16(splits[n].max_gain)} <= lambda)
+        return {0, 1};
     std::array<Subtree, 8> octants;
     std::size_t inside = first_inside(splits, n);
     const bool samples = inside == splits.size();
@@ -169,6 +179,7 @@ class PrunedTree {
             std::array<std::uint8_t, kBrickNodes> split_masks{};
             return pruned_brick(tree_.splits_of_brick(b), 0, lambda_, split_masks);
         }
+        if (tree_.cell_splits[level][n].is_one_voxel()) return {0, 1};
         const CellOctants children =
             cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
         std::array<Subtree, 8> octants;
@@ -226,26 +237,42 @@ CutTree cut_tree(const LatticeField& field, double scale) {
     find_bricks(tree);
 
     const VisibilityWeight visibility(field);
+    // As many parts as are no cost have a Gaussian of their own; smaller ones are of no weight.
     const auto& levels = tree.octree.levels;
-    for (std::size_t level = 0; level < levels.size(); ++level) {
-        const std::vector<MomentCell>& cells = levels[level].cells;
-        tree.cell_splits.emplace_back(cells.size());
-        vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
-            if (cells[n].child_count == 0) return;
-            const CellOctants children = cell_octants(tree.octree, level, cells[n]);
-            const Vec3d mean = cell_moments(cells[n], levels[level].edge_log2).mean;
-            tree.cell_splits[level][n] =
-                splits_of(octant_moments(tree.octree, level, children), scale * visibility(mean));
-        });
-    }
+    const double least_part =
+        levels.empty() ? 0 : double{levels.back().cells[0].mass} * (0.999 / kSmallCount);
     tree.first_splits.resize(tree.bricks.size() + 1);
     for (std::size_t b = 0; b < tree.bricks.size(); ++b)
         tree.first_splits[b + 1] = tree.first_splits[b] + node_count(tree.bricks[b]);
     tree.brick_splits.resize(tree.first_splits.back());
+    std::vector<Extent> of_bricks(tree.bricks.size()), finer;
     vog::parallel_for(std::size_t{0}, tree.bricks.size(), [&](std::size_t b) {
-        set_brick_splits(tree.bricks[b], visibility, scale,
-                         std::span(tree.brick_splits).subspan(tree.first_splits[b]));
+        of_bricks[b] = set_brick_splits(tree.bricks[b], visibility, scale, least_part,
+                                        std::span(tree.brick_splits).subspan(tree.first_splits[b]));
     });
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+        const std::vector<MomentCell>& cells = levels[level].cells;
+        const double edge = std::ldexp(1.0, levels[level].edge_log2);
+        tree.cell_splits.emplace_back(cells.size());
+        std::vector<Extent> extents(cells.size());
+        vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
+            if (const std::uint32_t b = tree.brick_of[level][n]; b != kNoBrick) {
+                extents[n] = of_bricks[b];
+                return;
+            }
+            const CellOctants children = cell_octants(tree.octree, level, cells[n]);
+            Extents octants;
+            for (std::size_t o = 0; o < 8; ++o)
+                if (children.occupied >> o & 1) octants[o] = finer[children.child[o]];
+            extents[n] = joined_extents(octants, children.occupied);
+            const Vec3d mean = cell_moments(cells[n], levels[level].edge_log2).mean;
+            BinarySplits& splits = tree.cell_splits[level][n];
+            splits = splits_of(octant_moments(tree.octree, level, children),
+                               scale * visibility(mean), octants, least_part);
+            if (edge <= extents[n].voxel) splits.axes |= BinarySplits::kOneVoxel;
+        });
+        finer = std::move(extents);
+    }
     for (const auto& level : tree.cell_splits)
         for (const BinarySplits& splits : level)
             tree.most_gain = std::max(tree.most_gain, splits.max_gain);

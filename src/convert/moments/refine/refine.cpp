@@ -68,7 +68,7 @@ FieldCells refine(MomentJob& job, std::span<const LatticeField> fields, FieldEmS
         else if ((share *= 0.5) < kLeastShare)
             break;
     }
-    job.report_error(error, views);
+    job.report_error(error, views.interpolation(job.parts), views);
     job.clock.end_stage("refine", 1);
     return best;
 }
