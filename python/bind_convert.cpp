@@ -225,11 +225,12 @@ void add(const SampledFields& sampled, const FieldOptions& options, Gaussians& m
         unlocked([&] { add_fields(model, sampled.volumes, sampled.values, options); });
 }
 
-/// A model fitted to pictures of a field.
-Model for_field(const py::object& data, const MomentOptions& moments, FieldOptions options,
-                const SampledFields& sampled, const py::object& report_dict) {
+/// A model of an adaptive cut, which follows the fields, or one fitted to pictures of a field.
+Model for_fields(const py::object& data, const MomentOptions& moments, FieldOptions options,
+                 const SampledFields& sampled, const py::object& report_dict) {
+    const bool fits = !options.joint_field.empty();
     // A typing error shall not wait for the conversion.
-    find_joint_field(options.joint_field, field_names(sampled.values));
+    if (fits) find_joint_field(options.joint_field, field_names(sampled.values));
     const bool by_value = moments.error > 0 || moments.refine_seconds > 0;
     JointReport joint;
     if (!report_dict.is_none() || by_value) options.joint_report = &joint;
@@ -245,12 +246,12 @@ Model for_field(const py::object& data, const MomentOptions& moments, FieldOptio
         return std::make_shared<Gaussians>(
             convert_for_field(mesh, sampled.values, moments, options, &report));
     });
-    fill(report_dict, report, 0);
+    fill(report_dict, report, fits || moments.budget ? 0 : moments.error);
     if (moments.error > 0 && joint.value_error > moments.error)
         warn({"convert: error by value " + std::to_string(joint.value_error) +
               ", the least of all cuts that were tried, expected at most " +
               std::to_string(moments.error)});
-    if (report_dict.is_none()) return model;
+    if (report_dict.is_none() || !fits) return model;
     py::dict dict(py::arg("error_before") = joint.error_before,
                   py::arg("error_after") = joint.error_after, py::arg("removed") = joint.removed);
     dict["value_error"] =
@@ -273,8 +274,9 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
     MomentOptions moments = given;
     const Progress whole = progress_of(progress);
     const SampledFields sampled = sampled_fields(data, fields, "convert");
-    moments.progress = fits ? whole : between(whole, 0, converted(fields));
-    if (fits) return for_field(data, moments, field_options, sampled, report_dict);
+    const bool cut_follows = !moments.block_voxels && !no_fields(fields);
+    moments.progress = fits || cut_follows ? whole : between(whole, 0, converted(fields));
+    if (fits || cut_follows) return for_fields(data, moments, field_options, sampled, report_dict);
     MomentReport report;
     Model model;
     if (py::isinstance<Volume>(data)) {
@@ -479,7 +481,8 @@ fields    what the Gaussians know beside their density, of voxels: {"temperature
           ((i, j, k), array) or a list of such pairs begins elsewhere; a Volume is sampled at the voxels'
           centres; a text is the name of a grid in the data's file; of several levels a list with one of these
           for each. {"value": array, "unit": "K"} states the unit. The data's own values are a field in any case;
-          False: no fields at all. Of Points: ["velocity", "temperature"], or {name: column}; none by default
+          False: no fields at all. Cells of budget, error and the default are small where fields vary.
+          Of Points: ["velocity", "temperature"], or {name: column}; none by default
 joint_field  of Volume and Levels by moments: one of the fields, or "volume", the data's own values; the Gaussians
           are then fitted to pictures of it, by joint_steps (2) steps of expectation-maximisation in the joint
           space of position and value. T is less exact: report["joint"] has error_before and error_after,

@@ -57,6 +57,14 @@ std::size_t find_joint_field(const std::string& joint_field, std::span<const Fie
 /// Names of sampled fields, [fields][levels].
 std::vector<FieldName> field_names(std::span<const std::vector<VoxelField>> fields);
 
+/// Fields that a cut shall follow, MomentOptions::carried_fields: without the volumes' own values, which are the density,
+/// and those that are constant.
+/// fields      [fields][levels], must outlive the result
+/// collective  processes that hold other parts of the data, with as many fields; null: a single process
+std::vector<CarriedField> carried_fields(std::span<const Volume> levels,
+                                         std::span<const std::vector<VoxelField>> fields,
+                                         const Collective* collective = nullptr);
+
 /// Adds fields to a model, by the moments of position and value over each Gaussian's part of the voxels.
 /// model   of these volumes, by any conversion; Gaussians without a part get the value of the nearest voxels'
 ///         Gaussian or the mean of the field, and no gradient
@@ -70,15 +78,17 @@ std::vector<FieldName> field_names(std::span<const std::vector<VoxelField>> fiel
 void add_fields(Gaussians& model, std::span<const Volume> levels,
                 std::span<const std::vector<VoxelField>> fields, const FieldOptions& options = {});
 
-/// Converts voxels for pictures of one field by value: convert_moments, then add_fields. Errors by value
+/// Converts voxels to a model with fields: convert_moments, whose adaptive cuts follow the fields (carried_fields), then
+/// add_fields. With a joint_field for pictures of that field by value: errors by value
 /// (JointReport::value_error) take the place of those of T: moments.error is met by the fewest Gaussians, to 5 %, or,
 /// where no count meets it, the count of least error is taken; moments.refine_seconds splits Gaussians where pictures by
 /// value err and merges as many elsewhere, as long as their error falls. The default without error, budget and block is
 /// that of convert_moments, by T.
 /// fields   as for add_fields, at the voxels of the volume or of the parts of the mesh
-/// options  joint_field must be given; with an error or refinement a scalar field that is not constant
+/// options  joint_field with an error or refinement: a scalar field that is not constant
 /// throws   vog::Error as convert_moments and add_fields do, and for those fields
-/// cost     with an error or refinement 36 pictures of the voxels by value; a search for an error some ten conversions
+/// cost     with joint_field and an error or refinement 36 pictures of the voxels by value; a search for an error some
+///          ten conversions
 [[nodiscard]] Gaussians convert_for_field(const Volume& volume,
                                           std::span<const std::vector<VoxelField>> fields,
                                           const MomentOptions& moments, const FieldOptions& options,

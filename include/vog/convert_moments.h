@@ -26,6 +26,14 @@
 namespace vog {
 
 struct Collective;
+struct VoxelField;
+
+/// A field whose values an adaptive cut follows beside the density (carried_fields in vog/convert_fields.h).
+struct CarriedField {
+    const std::vector<VoxelField>* levels =
+        nullptr;           ///< at the volume's voxels, or those of each part
+    double deviation = 1;  ///< standard deviation over the whole data, weighted by mass; > 0
+};
 
 /// Cutoff of moment Gaussians: radius of the support, standard deviations.
 inline constexpr float kMomentCutoff = 2.25f;
@@ -55,6 +63,8 @@ struct MomentOptions {
     /// Name of a field that the model carries: the volume's own values (vog/convert_fields.h). Uniform cells of up
     /// to 8 voxels without soft steps sum it while they are made, in less time than add_fields needs. Empty: no fields.
     std::string own_field{};
+    /// Fields of the model: an adaptive cut has smaller cells where they vary.
+    std::vector<CarriedField> carried_fields{};
     bool axis_aligned = false;  ///< diagonal covariance, no rotations: 28 bytes each, not 44
     bool measure = false;       ///< report the measured error of a uniform cut or a budget too
     /// Gaussians::origin, world units. None: model_origin of the data's box. For parts of one model.

@@ -89,6 +89,26 @@ TEST_F(field_conversion_command, fields_come_beside_the_own_values) {
 }
 
 /// --for moves the Gaussians; what T loses is reported, in the file too.
+TEST_F(field_conversion_command, adaptive_cuts_follow_the_fields) {
+    Volume heat = small_volume();
+    for (Leaf& leaf : heat.leaves)
+        for (std::size_t n = 0; n < kLeafVoxels; ++n)
+            if (leaf.value[n] > 0) leaf.value[n] = n % 8 < 4 ? 1 : 500;
+    write_vdb(dir_ / "heat.vdb", heat);
+    must(
+        "convert cloud.vdb -o carried.ply --budget 50 --no-hierarchy --field "
+        "heat=heat.vdb:density");
+    Volume volume = read_vdb(dir_ / "cloud.vdb");
+    MomentOptions options;
+    options.budget = 50, options.origin = model_origin(world_box(volume));
+    std::vector<std::vector<VoxelField>> fields{
+        {read_field({dir_ / "heat.vdb", "density", "heat"}, volume)}, {measure_field(volume)}};
+    const Gaussians model = convert_for_field(volume, fields, options, {});
+    write_ply(dir_ / "library.ply", model);
+    EXPECT_EQ(read_text(dir_ / "library.ply"), read_text(dir_ / "carried.ply"));
+    EXPECT_NE(model.mean, convert_moments(volume, options).mean);
+}
+
 TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
     Volume heat = small_volume();
     heat.name = "heat";

@@ -49,6 +49,14 @@ def test_any_order_type_and_place_of_arrays_is_the_same(volume, model):
     assert 300 <= paper.fields["temperature"].value.min() < 315
 
 
+def test_adaptive_cuts_follow_fields(volume):
+    hot = np.where((X < 3) & (Y < 3) & (Z < 3), np.float32(1000), np.float32(1))
+    levels = vog.Levels([volume])
+    for data in (volume, levels):
+        blind, own, follows = (vog.convert(data, budget=60, fields=fields) for fields in (False, None, {"hot": hot}))
+        assert np.array_equal(blind.mean, own.mean) and not np.array_equal(blind.mean, follows.mean)
+
+
 @pytest.mark.parametrize("field", ["temperature", "velocity", "velocity.z", "velocity.magnitude"])
 def test_maps_of_the_model_are_near_those_of_the_voxels(volume, model, field):
     maps = vog.render(model, size=48, show="mean", field=field)

@@ -205,6 +205,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (own_alone) moments.own_field = own_name(volumes);
     const FieldTexts texts = field_texts(arguments, own_name(volumes));
     const std::string joint_field = joint_field_of(arguments, texts, volumes);
+    // Adaptive cuts follow the fields, which must be read before.
+    const bool carries = !joint_field.empty() || (by_moments && !arguments.no_fields &&
+                                                  !own_alone && !moments.block_voxels);
     MomentTotals totals;
     std::vector<std::string> view_notes;
     const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
@@ -234,19 +237,19 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     };
     stages.run("convert", [&] {
         MomentReport one;
-        if (!joint_field.empty() && set.is_mesh()) return convert_for(volumes);
+        if (carries && set.is_mesh()) return convert_for(volumes);
         if (by_moments && set.is_mesh())
             return add(convert_moments(mesh, moments, &one), one, volume_mass);
         if (set.is_mesh()) return add(convert_paper(mesh, paper), one, volume_mass);
         for (Volume& volume : volumes)
-            if (!joint_field.empty())
+            if (carries)
                 convert_for({&volume, 1});
             else
                 add(by_moments ? convert_moments(volume, moments, &one)
                                : convert_paper(volume, paper),
                     one, mass(volume));
     });
-    if (!arguments.no_fields && !own_alone && joint_field.empty())
+    if (!arguments.no_fields && !own_alone && !carries)
         stages.run("fields", [&] {
             for (std::size_t n = 0; n < parts.size(); ++n)
                 add_fields_of(texts, {cells[n]},

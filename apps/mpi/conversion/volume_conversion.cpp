@@ -123,9 +123,12 @@ void require_mass(const std::vector<InputPart>& parts, const Ranks& ranks) {
 /// Converter of this rank's parts, with totals over all ranks.
 class PartConversion {
   public:
-    PartConversion(const VolumeConversion& conversion, const VolumesPart& from, const Ranks& ranks)
+    /// carried  [inputs] fields that adaptive cuts follow; empty: none
+    PartConversion(const VolumeConversion& conversion, const VolumesPart& from,
+                   std::vector<std::vector<CarriedField>> carried, const Ranks& ranks)
         : conversion_(conversion),
           from_(from),
+          carried_(std::move(carried)),
           ranks_(ranks),
           collective_(uniform(conversion) && !from.by_files) {}
 
@@ -193,6 +196,7 @@ class PartConversion {
         MomentReport report;
         MomentOptions options = conversion_.moments;
         if (!options.block_voxels) options.budget = budget_of(part);
+        if (!carried_.empty()) options.carried_fields = carried_[cells_.size() - 1];
         options.measure = false;  // the whole model is measured at the end
         Gaussians model = by_moments(part, options, &report);
         totals_.add(report, part_mass);
@@ -238,6 +242,7 @@ class PartConversion {
 
     const VolumeConversion& conversion_;
     const VolumesPart& from_;
+    const std::vector<std::vector<CarriedField>> carried_;
     const Ranks& ranks_;
     bool collective_ = false;  ///< every input is one collective conversion of all ranks
     std::size_t budget_ = 0;
@@ -374,9 +379,21 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     from.active_voxels = 0;
     for (const InputPart& part : parts) from.active_voxels += part.voxels;
     from.active_voxels = ranks.sum(from.active_voxels);
-    PartConversion conversion(options, from, ranks);
     SharedModel& model = made.model;
     const MomentOptions& moments = options.moments;
+    std::vector<std::vector<Volume>*> volumes;
+    for (InputPart& part : parts) volumes.push_back(&part.volumes);
+    std::optional<PartFields> fields;
+    const auto read_fields = [&] {
+        fields.emplace(
+            stages.run("load fields", [&] { return read_part_fields(arguments, volumes, ranks); }));
+        if (ranks.first()) cli::print_notes(fields->notes);
+        from.notes.insert(from.notes.end(), fields->notes.begin(), fields->notes.end());
+    };
+    // Adaptive cuts follow the fields. Uniform cells come first: reading divides tiles.
+    if (!arguments.no_fields && options.by_moments && !moments.block_voxels) read_fields();
+    PartConversion conversion(
+        options, from, fields ? fields->carried : std::vector<std::vector<CarriedField>>{}, ranks);
     const bool searches = options.by_moments && !moments.block_voxels && !moments.budget;
     std::optional<WholeError> error;
     if (searches || (options.by_moments && moments.measure))
@@ -400,14 +417,10 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     std::uint64_t count = 0;
     for (const Gaussians& part : model.inputs) count += part.size();
     count = ranks.sum(count);
-    if (!arguments.no_fields)
+    if (!arguments.no_fields && !fields) read_fields();
+    if (fields)
         stages.run("fields", [&] {
-            std::vector<std::vector<Volume>*> volumes;
-            for (InputPart& part : parts) volumes.push_back(&part.volumes);
-            const std::vector<std::string> notes =
-                add_part_fields(arguments, conversion.cells(), volumes, model, ranks);
-            if (ranks.first()) cli::print_notes(notes);
-            from.notes.insert(from.notes.end(), notes.begin(), notes.end());
+            add_part_fields(*fields, conversion.cells(), volumes, model);
             ranks.agree();
         });
     if (arguments.volume.ones)

@@ -70,69 +70,74 @@ struct Range {
     double lower = std::numeric_limits<double>::infinity(), upper = -lower;
 };
 
+/// Gives a field of one input the range of all ranks, and reports it.
+Range share_range(std::vector<VoxelField>& field, const Ranks& ranks) {
+    Range range;
+    for (const VoxelField& one : field)
+        range = {std::min(range.lower, one.lower), std::max(range.upper, one.upper)};
+    range = {ranks.min(range.lower), ranks.max(range.upper)};
+    for (VoxelField& one : field) one.lower = range.lower, one.upper = range.upper;
+    return range;
+}
+
 }  // namespace
 
-std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
-                                         std::span<const std::optional<UniformCells>> cells,
-                                         std::span<std::vector<Volume>* const> volumes,
-                                         SharedModel& model, const Ranks& ranks) {
+PartFields read_part_fields(const cli::ConvertArguments& arguments,
+                            std::span<std::vector<Volume>* const> volumes, const Ranks& ranks) {
     const cli::FieldTexts texts = cli::field_texts(arguments, own_name(volumes, ranks));
-    std::vector<std::string> notes;
+    PartFields all;
     std::map<std::string, Range> ranges;
-    std::map<std::string, ValueSpread> spreads;
-    Fields& described = model.description.fields;
-    for (std::size_t n = 0; n < volumes.size(); ++n) {
-        std::vector<Volume>& own = *volumes[n];
-        std::erase_if(own, [](const Volume& volume) { return volume.empty(); });
+    for (std::vector<Volume>* const own : volumes) {
+        std::erase_if(*own, [](const Volume& volume) { return volume.empty(); });
         std::vector<std::string> none;  // the coverage is known on all ranks together
         std::vector<FieldCoverage> coverage;
-        std::vector<std::vector<VoxelField>> fields;
-        const double nodes = node_count(own);
-        if (!own.empty()) fields = cli::read_volume_fields(texts, own, none, &coverage);
-        const bool divided = ranks.max(node_count(own) != nodes ? 1 : 0) > 0;
-        const auto count = static_cast<std::size_t>(ranks.max(double(fields.size())));
-        coverage.resize(count);
-        if (described.empty()) describe(fields, described, ranks);
-        for (std::size_t f = 0; f < count; ++f) {
-            Range range;
-            if (f < fields.size())
-                for (const VoxelField& field : fields[f])
-                    range = {std::min(range.lower, field.lower),
-                             std::max(range.upper, field.upper)};
-            range = {ranks.min(range.lower), ranks.max(range.upper)};
-            if (f < fields.size())
-                for (VoxelField& field : fields[f])
-                    field.lower = range.lower, field.upper = range.upper;
+        std::vector<std::vector<VoxelField>>& fields = all.values.emplace_back();
+        const double nodes = node_count(*own);
+        if (!own->empty()) fields = cli::read_volume_fields(texts, *own, none, &coverage);
+        all.divided.push_back(ranks.max(node_count(*own) != nodes ? 1 : 0) > 0);
+        if (all.described.empty()) describe(fields, all.described, ranks);
+        fields.resize(static_cast<std::size_t>(ranks.max(double(fields.size()))));
+        coverage.resize(fields.size());
+        for (std::size_t f = 0; f < fields.size(); ++f) {
+            const Range range = share_range(fields[f], ranks);
             std::vector<std::string> names =
-                ranks.gather(f < fields.size() ? fields[f].front().name : std::string());
+                ranks.gather(fields[f].empty() ? std::string() : fields[f].front().name);
             std::erase(names, std::string());
-            Range& all = ranges[names.front()];
-            all = {std::min(all.lower, range.lower), std::max(all.upper, range.upper)};
+            Range& joined = ranges[names.front()];
+            joined = {std::min(joined.lower, range.lower), std::max(joined.upper, range.upper)};
             ValueCounts own_counts;
-            if (f < fields.size())
-                for (const VoxelField& field : fields[f]) own_counts.add(field.counts);
+            for (const VoxelField& field : fields[f]) own_counts.add(field.counts);
             ranks.sum(own_counts.weights());
             const ValueSpread spread = own_counts.spread();
-            const auto [place, first] = spreads.try_emplace(names.front(), spread);
+            const auto [place, first] = all.spreads.try_emplace(names.front(), spread);
             if (!first && place->second != spread) place->second = {};  // as joined models have it
             const FieldCoverage whole = over_ranks(coverage[f], ranks);
             if (whole.voxels == 0) continue;  // the volumes' own values
-            if (const std::string note = coverage_note(whole); !note.empty()) notes.push_back(note);
+            if (std::string note = coverage_note(whole); !note.empty())
+                all.notes.push_back(std::move(note));
         }
-        if (!fields.empty())
-            add_fields(model.inputs[n], own, fields, {divided ? std::nullopt : cells[n]});
+        all.carried.push_back(carried_fields(*own, fields, &ranks.collective()));
     }
     const auto set_range = [&](auto& field) {
         field.lower = ranges[field.name].lower, field.upper = ranges[field.name].upper;
     };
-    std::ranges::for_each(described.scalar, set_range);
-    const auto set_spread = [&](Fields& fields) {
-        for (ScalarField& field : fields.scalar) field.spread = spreads[field.name];
+    std::ranges::for_each(all.described.scalar, set_range);
+    std::ranges::for_each(all.described.vector, set_range);
+    return all;
+}
+
+void add_part_fields(const PartFields& fields, std::span<const std::optional<UniformCells>> cells,
+                     std::span<std::vector<Volume>* const> volumes, SharedModel& model) {
+    for (std::size_t n = 0; n < volumes.size(); ++n)
+        if (!volumes[n]->empty())
+            add_fields(model.inputs[n], *volumes[n], fields.values[n],
+                       {fields.divided[n] ? std::nullopt : cells[n]});
+    model.description.fields = fields.described;
+    const auto set_spread = [&](Fields& of) {
+        for (ScalarField& field : of.scalar) field.spread = fields.spreads.at(field.name);
     };
-    set_spread(described);
+    set_spread(model.description.fields);
     for (Gaussians& input : model.inputs) set_spread(input.fields);
-    std::ranges::for_each(described.vector, set_range);
-    return notes;
 }
 
 }  // namespace vog::mpi

@@ -1,6 +1,7 @@
 // part_fields.h: fields of a distributed model, each rank's at its part of the voxels.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,18 +11,29 @@
 #include "ranks.h"
 #include "shared/convert_run.h"
 #include "vog/convert_moments.h"
+#include "vog/voxel_field.h"
 
 namespace vog::mpi {
 
-/// Adds the fields of --field and the volumes' own values to this rank's Gaussians of every input, with the ranges of
-/// all ranks, and describes them in the header. Uniform hard cells have the fields of a single process, byte by
-/// byte, unless tiles are divided because a field varies inside.
-/// cells    [inputs] of the model, MomentReport::cells
+/// The fields of --field and the volumes' own values at this rank's part of every input, with the ranges of all ranks.
+struct PartFields {
+    std::vector<std::vector<std::vector<VoxelField>>> values;  ///< [inputs][fields][volumes]
+    std::vector<bool>
+        divided;  ///< [inputs] whether tiles are divided because a field varies inside
+    std::vector<std::vector<CarriedField>> carried;  ///< [inputs] MomentOptions::carried_fields
+    std::vector<std::string> notes;  ///< on fields that cover only a part of an input
+    Fields described;                ///< names, units, kinds and ranges
+    std::map<std::string, ValueSpread> spreads;
+};
 /// volumes  [inputs] this rank's part of each; empty ones are removed
-/// returns  notes on fields that cover a part of an input alone
-std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
-                                         std::span<const std::optional<UniformCells>> cells,
-                                         std::span<std::vector<Volume>* const> volumes,
-                                         SharedModel& model, const Ranks& ranks);
+PartFields read_part_fields(const cli::ConvertArguments& arguments,
+                            std::span<std::vector<Volume>* const> volumes, const Ranks& ranks);
+
+/// Adds the fields to this rank's Gaussians of every input, and describes them in the header. Uniform hard cells have
+/// the fields of a single process, byte by byte, unless tiles are divided.
+/// cells    [inputs] of the model, MomentReport::cells
+/// volumes  as they were read
+void add_part_fields(const PartFields& fields, std::span<const std::optional<UniformCells>> cells,
+                     std::span<std::vector<Volume>* const> volumes, SharedModel& model);
 
 }  // namespace vog::mpi

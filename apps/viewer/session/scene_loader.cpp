@@ -261,21 +261,13 @@ Gaussians SceneLoader::converted(const Composite& data, const VoxelData& voxels,
     };
     const bool own_alone = fields.size() == 1 && is_own(fields.front());
     if (own_alone) options.own_field = fields.front().front().name;
-    MomentReport report;
-    Gaussians model = is_mesh ? convert_moments(data, options, &report)
-                              : convert_moments(data.parts[part], options, &report);
-    if (fields.empty() || own_alone || model.size() == 0) return model;
-    FieldOptions with;
-    with.cells = report.cells;
-    with.progress = options.progress;
-    if (is_mesh) {
-        add_fields(model, data.parts, fields, with);
-        return model;
-    }
+    if (fields.empty() || own_alone)
+        return is_mesh ? convert_moments(data, options)
+                       : convert_moments(data.parts[part], options);
+    if (is_mesh) return convert_for_field(data, fields, options, {});
     std::vector<std::vector<VoxelField>> here;
     for (const std::vector<VoxelField>& field : fields) here.push_back({field[part]});
-    add_fields(model, {&data.parts[part], 1}, here, with);
-    return model;
+    return convert_for_field(data.parts[part], here, options, {});
 }
 
 void SceneLoader::convert_levels(const Composite& data, const VoxelData& voxels_of_data,

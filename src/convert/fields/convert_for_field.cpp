@@ -1,4 +1,5 @@
-// convert_for_field.cpp: models for pictures of a field by value, whose errors choose their number and refine them.
+// convert_for_field.cpp: models with fields, whose cuts follow them; models for pictures of a field by value, whose errors
+// choose their number and refine them.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -29,11 +30,13 @@ struct ForField {
     std::function<Gaussians(const MomentOptions&, MomentReport*)> convert;  ///< without fields
     Box box;
     FittedData data;
-    const MomentOptions& moments;
+    MomentOptions moments;
     const FieldOptions& options;
 
     bool has_error() const { return moments.error > 0 && !moments.budget && !moments.block_voxels; }
-    bool is_judged() const { return has_error() || moments.refine_seconds > 0; }
+    bool is_judged() const {
+        return !options.joint_field.empty() && (has_error() || moments.refine_seconds > 0);
+    }
 };
 
 /// Progress of a part of the call, its fractions from `first` to `last` of the whole.
@@ -136,6 +139,7 @@ Gaussians run(const ForField& job, MomentReport* report) {
     moments.progress = progress_part(job.moments.progress, 0, kConverted);
     Gaussians model = job.convert(moments, &of_cells);
     FieldOptions options = job.options;
+    if (options.joint_field.empty()) options.cells = of_cells.cells;
     options.progress = progress_part(job.moments.progress, kConverted, 1);
     add_fields(model, job.data.levels, job.data.fields, options);
     return model;
@@ -144,7 +148,14 @@ Gaussians run(const ForField& job, MomentReport* report) {
 FittedData fitted_data(std::span<const Volume> levels,
                        std::span<const std::vector<VoxelField>> fields,
                        const FieldOptions& options) {
-    return {levels, fields, find_joint_field(options.joint_field, field_names(fields))};
+    const std::string& name = options.joint_field;
+    return {levels, fields, name.empty() ? 0 : find_joint_field(name, field_names(fields))};
+}
+
+/// Options of a conversion whose adaptive cut follows the fields.
+MomentOptions carrying(MomentOptions moments, const FittedData& data) {
+    if (!moments.block_voxels) moments.carried_fields = carried_fields(data.levels, data.fields);
+    return moments;
 }
 
 }  // namespace
@@ -155,9 +166,8 @@ Gaussians convert_for_field(const Volume& volume, std::span<const std::vector<Vo
     const auto convert = [&](const MomentOptions& with, MomentReport* of) {
         return convert_moments(volume, with, of);
     };
-    return run(
-        {convert, world_box(volume), fitted_data({&volume, 1}, fields, options), moments, options},
-        report);
+    const FittedData data = fitted_data({&volume, 1}, fields, options);
+    return run({convert, world_box(volume), data, carrying(moments, data), options}, report);
 }
 
 Gaussians convert_for_field(const Composite& mesh, std::span<const std::vector<VoxelField>> fields,
@@ -166,8 +176,8 @@ Gaussians convert_for_field(const Composite& mesh, std::span<const std::vector<V
     const auto convert = [&](const MomentOptions& with, MomentReport* of) {
         return convert_moments(mesh, with, of);
     };
-    return run({convert, mesh.box, fitted_data(mesh.parts, fields, options), moments, options},
-               report);
+    const FittedData data = fitted_data(mesh.parts, fields, options);
+    return run({convert, mesh.box, data, carrying(moments, data), options}, report);
 }
 
 }  // namespace vog

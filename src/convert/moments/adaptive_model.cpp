@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "convert/moments/cut/carried_values.h"
 #include "convert/moments/cut/optimal_cut.h"
 #include "convert/moments/error_search.h"
 #include "convert/moments/moment_job.h"
@@ -26,9 +27,11 @@ FieldTrees field_trees(const MomentJob& job) {
     double finest_edge = std::numeric_limits<double>::infinity();
     for (const LatticeField& field : all.fields)
         finest_edge = std::min(finest_edge, std::cbrt(field.voxel_volume()));
-    for (const LatticeField& field : all.fields)
-        all.trees.push_back(
-            cut_tree(field, cut_scale(std::cbrt(field.voxel_volume()) / finest_edge)));
+    const CarriedValues carried(job);
+    for (std::size_t f = 0; f < all.fields.size(); ++f)
+        all.trees.push_back(cut_tree(
+            all.fields[f], cut_scale(std::cbrt(all.fields[f].voxel_volume()) / finest_edge),
+            carried.at(f)));
     return all;
 }
 

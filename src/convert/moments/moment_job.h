@@ -101,10 +101,12 @@ struct MomentJob {
     double voxels_in(const LatticeField& field) const {
         return levels ? field.voxel_volume() / unit_volume : 1;
     }
-    std::vector<LatticeField> fields() const {
-        if (levels) return lattice_fields(parts);
+    std::vector<LatticeField> fields() const { return fields(parts); }
+    /// The same of other densities at the voxels of the parts.
+    std::vector<LatticeField> fields(std::span<const Volume> densities) const {
+        if (levels) return lattice_fields(densities);
         std::vector<LatticeField> one;
-        one.push_back(lattice_field(volume()));
+        one.push_back(lattice_field(densities.front()));
         return one;
     }
 };

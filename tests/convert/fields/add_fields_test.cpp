@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/made_fields.h"
 #include "support/moment_volumes.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
@@ -16,47 +17,7 @@
 namespace vog {
 namespace {
 
-/// A field of any function of the world position, at the voxels of a volume.
-template <class Function>
-VoxelValues values_of(const Volume& volume, const Function& function) {
-    VoxelValues values;
-    for (const Leaf& leaf : volume.leaves) {
-        auto& of = values.leaf.emplace_back();
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (leaf.active(n))
-                of[static_cast<std::size_t>(n)] =
-                    static_cast<float>(function(volume.world_from_index(
-                        vec_cast<double>(leaf.origin + Vec3i{n >> 6, n >> 3 & 7, n & 7}))));
-    }
-    for (const Tile& tile : volume.tiles) {
-        const double half = 0.5 * (tile.edge - 1);
-        values.tile.push_back(static_cast<float>(function(
-            volume.world_from_index(vec_cast<double>(tile.origin) + Vec3d{half, half, half}))));
-    }
-    return values;
-}
-
-void set_range(VoxelField& field) {
-    field.lower = 1e30, field.upper = -1e30;
-    const auto include = [&](float value) {
-        const double number = field.is_vector() ? std::abs(double{value}) : double{value};
-        field.lower = std::min(field.lower, number), field.upper = std::max(field.upper, number);
-    };
-    for (const VoxelValues& values : field.component) {
-        for (const auto& leaf : values.leaf)
-            for (const float value : leaf) include(value);
-        for (const float value : values.tile) include(value);
-    }
-}
-
-template <class... Function>
-VoxelField field_of(const std::string& name, const Volume& volume, const Function&... function) {
-    VoxelField field;
-    field.name = name, field.unit = "K";
-    (field.component.push_back(values_of(volume, function)), ...);
-    set_range(field);
-    return field;
-}
+using test::field_of, test::set_range, test::values_of;
 
 double wavy(Vec3d p) { return 300 + 2 * std::sin(0.7 * p.x) + 0.3 * p.y - p.z * p.z / 40; }
 

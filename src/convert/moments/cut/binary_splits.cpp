@@ -71,10 +71,29 @@ int longest_axis(const Moments& moments, std::uint8_t mask, int allowed) {
     return longest;
 }
 
+double mass_of(const Octants& octants, std::uint8_t mask) {
+    double mass = 0;
+    for (std::size_t o = 0; o < 8; ++o)
+        if (mask >> o & 1) mass += octants[o].mass;
+    return mass;
+}
+
+/// Variance of carried fields between two sides of a cell: the variance inside the cell less that inside the sides.
+double variance_between(const Octants& octants, std::span<const Octants> carried,
+                        const std::array<std::uint8_t, 2>& side) {
+    const double a = mass_of(octants, side[0]), b = mass_of(octants, side[1]);
+    double squares = 0;
+    for (const Octants& values : carried) {
+        const double difference = mass_of(values, side[0]) / a - mass_of(values, side[1]) / b;
+        squares += difference * difference;
+    }
+    return a / (a + b) * (b / (a + b)) * squares;
+}
+
 }  // namespace
 
-BinarySplits splits_of(const Octants& octants, double weight, const Extents& extents,
-                       double least_part) {
+BinarySplits splits_of(const Octants& octants, double weight, std::span<const Octants> carried,
+                       const Extents& extents, double least_part) {
     BinarySplits splits;
     for (std::size_t o = 0; o < 8; ++o)
         if (octants[o].mass > 0) splits.occupied |= static_cast<std::uint8_t>(1 << o);
@@ -95,7 +114,8 @@ BinarySplits splits_of(const Octants& octants, double weight, const Extents& ext
         if (!side[0] || !side[1]) continue;
         const Moments lower = joined_octants(octants, side[0]),
                       upper = joined_octants(octants, side[1]);
-        double gain = weight * split_gain(whole, lower, upper, DepthPower::quarter);
+        double gain = weight * split_gain(whole, lower, upper, DepthPower::quarter,
+                                          variance_between(octants, carried, side));
         if (std::min(lower.mass, upper.mass) >= least_part &&
             bridges(whole, joined_extents(extents, side[0]), joined_extents(extents, side[1])))
             gain *= kBridgeFactor;

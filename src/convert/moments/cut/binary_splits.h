@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "convert/moments/cut/empty_space.h"
 #include "convert/moments/gaussian_moments.h"
@@ -42,10 +43,12 @@ inline constexpr double kBridgeFactor = 1 << 20;
 
 /// Chooses for each split the axis of largest variance, and evaluates split_gain of its two sides.
 /// weight      factor on all gains
+/// carried     [components of carried fields] octants whose mass is the sum of density times value
+/// extents     of the octants' voxels
 /// least_part  mass of the lighter side from which on kBridgeFactor counts
 /// returns     max_gain is of this cell alone
-BinarySplits splits_of(const Octants& octants, double weight, const Extents& extents = {},
-                       double least_part = 0);
+BinarySplits splits_of(const Octants& octants, double weight, std::span<const Octants> carried = {},
+                       const Extents& extents = {}, double least_part = 0);
 
 /// Optimal pruning of a subtree under a Lagrange multiplier lambda, the cost of a Gaussian.
 struct Subtree {

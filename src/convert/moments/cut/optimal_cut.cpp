@@ -100,16 +100,26 @@ std::size_t first_inside(std::span<const BinarySplits> splits, std::size_t n) {
     return first;
 }
 
+/// Brick b of a lattice and of the components of fields that it carries.
+struct CarryingBrick {
+    const Brick& brick;
+    std::vector<const Brick*> carried;
+};
+
 /// Sets the splits of all nodes of a brick, bottom up. Visibility is evaluated for cells of 4^3
 /// samples and larger; smaller cells take their parent's.
 /// least_part  as of splits_of
 /// with_mass   out: the nodes with mass, in order
 /// returns     extent of the brick
-Extent set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, double scale,
+Extent set_brick_splits(const CarryingBrick& both, const VisibilityWeight& visibility, double scale,
                         double least_part, std::span<BinarySplits> with_mass) {
+    const Brick& brick = both.brick;
     std::array<BinarySplits, kBrickNodes> splits{};
     const BrickSums sums = brick_sums(brick);
     const std::array<Extent, kBrickNodes> extents = brick_extents(brick);
+    std::vector<BrickSums> carried_sums;
+    for (const Brick* carried : both.carried) carried_sums.push_back(brick_sums(*carried));
+    std::vector<Octants> carried(both.carried.size());
     std::array<double, 9> weight{};
     for (std::size_t n = 0; n < 9; ++n)
         if (const Moments node = brick_node(brick, sums, n); node.mass > 0)
@@ -120,10 +130,12 @@ Extent set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, 
             splits[n] = splits[n + 1];
             continue;
         }
+        for (std::size_t c = 0; c < carried.size(); ++c)
+            carried[c] = brick_octants(*both.carried[c], carried_sums[c], n);
         Extents octants;  // samples side by side have no gaps
         if (n < 9) std::copy_n(extents.begin() + 8 * std::ptrdiff_t(n) + 1, 8, octants.begin());
         splits[n] = splits_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8],
-                              octants, least_part);
+                              carried, octants, least_part);
         const double edge = brick.spacing * (n < 1 ? 8 : n < 9 ? 4 : 2);
         if (edge <= brick.voxel) splits[n].axes |= BinarySplits::kOneVoxel;
         if (n < 9)
@@ -230,11 +242,16 @@ class PrunedTree {
 
 }  // namespace
 
-CutTree cut_tree(const LatticeField& field, double scale) {
+CutTree cut_tree(const LatticeField& field, double scale,
+                 std::span<const LatticeField* const> carried) {
     CutTree tree;
     tree.octree = brick_octree(field.bricks);
     tree.bricks = field.bricks;
     find_bricks(tree);
+
+    std::vector<MomentOctree> carried_octrees;  // of the same cells
+    for (const LatticeField* values : carried)
+        carried_octrees.push_back(brick_octree(values->bricks));
 
     const VisibilityWeight visibility(field);
     // As many parts as are no cost have a Gaussian of their own; smaller ones are of no weight.
@@ -247,7 +264,9 @@ CutTree cut_tree(const LatticeField& field, double scale) {
     tree.brick_splits.resize(tree.first_splits.back());
     std::vector<Extent> of_bricks(tree.bricks.size()), finer;
     vog::parallel_for(std::size_t{0}, tree.bricks.size(), [&](std::size_t b) {
-        of_bricks[b] = set_brick_splits(tree.bricks[b], visibility, scale, least_part,
+        CarryingBrick both{tree.bricks[b], {}};
+        for (const LatticeField* values : carried) both.carried.push_back(&values->bricks[b]);
+        of_bricks[b] = set_brick_splits(both, visibility, scale, least_part,
                                         std::span(tree.brick_splits).subspan(tree.first_splits[b]));
     });
     for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -267,8 +286,11 @@ CutTree cut_tree(const LatticeField& field, double scale) {
             extents[n] = joined_extents(octants, children.occupied);
             const Vec3d mean = cell_moments(cells[n], levels[level].edge_log2).mean;
             BinarySplits& splits = tree.cell_splits[level][n];
+            std::vector<Octants> values;
+            for (const MomentOctree& octree : carried_octrees)
+                values.push_back(octant_moments(octree, level, children));
             splits = splits_of(octant_moments(tree.octree, level, children),
-                               scale * visibility(mean), octants, least_part);
+                               scale * visibility(mean), values, octants, least_part);
             if (edge <= extents[n].voxel) splits.axes |= BinarySplits::kOneVoxel;
         });
         finer = std::move(extents);

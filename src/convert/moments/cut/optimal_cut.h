@@ -37,10 +37,12 @@ struct CutTree {
     }
 };
 
-/// field  must outlive the tree
-/// scale  factor on all gains, which makes those of several fields comparable: cut_scale
-/// cost   O(voxels) time, up to 1.3 kB for each leaf
-CutTree cut_tree(const LatticeField& field, double scale = 1);
+/// field    must outlive the tree
+/// scale    factor on all gains, which makes those of several fields comparable: cut_scale
+/// carried  components of carried fields (carried_values.h)
+/// cost     O(voxels) time, up to 1.3 kB for each leaf
+CutTree cut_tree(const LatticeField& field, double scale = 1,
+                 std::span<const LatticeField* const> carried = {});
 /// Unit of the gains of a field.
 /// voxel_edge  in any unit that all fields share
 double cut_scale(double voxel_edge);

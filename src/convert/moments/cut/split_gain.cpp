@@ -37,12 +37,13 @@ constexpr double kEdgePower = 2.5;
 
 }  // namespace
 
-double split_gain(const Moments& whole, const Moments& a, const Moments& b, DepthPower power) {
-    const double m = whole.mass;
-    const double squares = m * m * overlap(whole) + a.mass * a.mass * overlap(a) +
-                           b.mass * b.mass * overlap(b) +
+double split_gain(const Moments& whole, const Moments& a, const Moments& b, DepthPower power,
+                  double variance) {
+    const double m = whole.mass, norm = m * m * overlap(whole);
+    const double squares = norm + a.mass * a.mass * overlap(a) + b.mass * b.mass * overlap(b) +
                            2 * (a.mass * b.mass * overlap(a, b) -
-                                m * (a.mass * overlap(whole, a) + b.mass * overlap(whole, b)));
+                                m * (a.mass * overlap(whole, a) + b.mass * overlap(whole, b))) +
+                           (variance > 0 ? variance * norm : 0);
     // Edge of the cube with the same trace of the covariance, 3 edge^2 / 12.
     const std::array<double, 6>& c = whole.covariance;
     const double edge = 2 * std::sqrt(c[0] + c[3] + c[5]), edge2 = edge * edge;

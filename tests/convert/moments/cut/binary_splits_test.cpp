@@ -56,13 +56,14 @@ TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
                   whole = joined_octants(octants, 0xFF);
     // Sums over a lattice equal the integral up to exp(-(2 pi sigma / h)^2 / 2).
     constexpr double kStep = 0.5;
-    double squares = 0;
+    double squares = 0, norm = 0;
     for (double x = -12; x < 20; x += kStep)
         for (double y = -12; y < 20; y += kStep)
             for (double z = -12; z < 20; z += kStep) {
                 const Vec3d at{x, y, z};
                 const double d = density(whole, at) - density(a, at) - density(b, at);
                 squares += d * d * kStep * kStep * kStep;
+                norm += density(whole, at) * density(whole, at) * kStep * kStep * kStep;
             }
     const auto& c = whole.covariance;
     const double edge = 2 * std::sqrt(c[0] + c[3] + c[5]), column = whole.mass / (edge * edge);
@@ -72,6 +73,33 @@ TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
         1e-6);
     EXPECT_NEAR(split_gain(whole, a, b, DepthPower::quarter) / (base / std::pow(column, 0.25)), 1,
                 1e-6);
+    // Values +s and -s at equal masses, s^2 = 0.3: squares of density times value add 0.3 of the Gaussian's own.
+    const double carried = (squares + 0.3 * norm) * std::pow(edge, 2.5) / std::pow(column, 0.25);
+    EXPECT_NEAR(split_gain(whole, a, b, DepthPower::quarter, 0.3) / carried, 1, 1e-6);
+}
+
+TEST(binary_splits, a_gain_has_the_variance_between_its_sides) {
+    Random random(8);
+    const Octants octants = random_octants(random, 1);
+    // A value that differs between the halves across x only: 2 below, 5 above, in units of its deviation.
+    std::vector<Octants> carried{octants};
+    for (std::size_t o = 0; o < 8; ++o) carried[0][o].mass *= o < 4 ? 2 : 5;
+    const BinarySplits plain = splits_of(octants, 1), follows = splits_of(octants, 1, carried);
+    for (int n = 0; n < 7; ++n) {
+        const std::array<std::uint8_t, 2> side = plain.sides(n);
+        const Moments a = joined_octants(octants, side[0]), b = joined_octants(octants, side[1]),
+                      whole = joined_octants(octants, side[0] | side[1]);
+        const auto value = [&](const Moments& part, std::uint8_t mask) {
+            return joined_octants(carried[0], mask).mass / part.mass;
+        };
+        const double difference = value(a, side[0]) - value(b, side[1]),
+                     share = a.mass / whole.mass,
+                     variance = share * (1 - share) * difference * difference,
+                     gain = split_gain(whole, a, b, DepthPower::quarter, variance);
+        constexpr double kTruncated = 1 / 128.0;  // bfloat16, rounded towards zero
+        EXPECT_NEAR(from_bfloat16(follows.gain[std::size_t(n)]) / gain, 1, kTruncated) << n;
+        EXPECT_GE(follows.gain[std::size_t(n)], plain.gain[std::size_t(n)]) << n;
+    }
 }
 
 TEST(binary_splits, all_splits_together_separate_the_octants) {
