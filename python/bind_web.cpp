@@ -137,11 +137,13 @@ std::filesystem::path path_elsewhere(const py::object& models) {
 py::dict export_html(const std::filesystem::path& file, const py::object& models,
                      const std::string& title, const std::string& description, int levels,
                      const std::optional<Camera>& camera, const py::object& extinction,
-                     const py::object& tf, const py::object& background, bool blend,
+                     const py::object& chosen, const py::object& background, bool blend,
                      const std::string& show, const std::string& field, const py::object& range,
                      std::optional<bool> log, const py::object& unit_distance,
                      const py::object& light, const py::object& clip, const py::object& clip_planes,
                      bool steps, bool precise, const std::string& url) {
+    const py::object tf =
+        chosen.is_none() ? py::object(py::str(default_map(show_named(show)))) : chosen;
     std::vector<HtmlModel> elsewhere;
     HtmlSource source{url, false};
     if (!url.empty()) {
@@ -205,7 +207,7 @@ void bind_web(py::module_& m) {
     m.def(
         "export_html", &export_html, py::arg("file"), py::arg("models"), py::kw_only(),
         py::arg("title") = "", py::arg("description") = "", py::arg("levels") = kUsualLevels,
-        py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = kDefaultMap,
+        py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = py::none(),
         py::arg("background") = "black", py::arg("blend") = false, py::arg("show") = "T",
         py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = py::none(),
         py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
@@ -221,7 +223,7 @@ description  text below the title
 levels       largest number of levels of detail: the model, then a quarter as many Gaussians each time
 camera       initial view; None: Camera.orbit of each model, fitted
 extinction   factor on density, or 'auto': by the initial view of each model
-tf           initial transfer function
+tf           initial transfer function; None: ember, for maps inferno
 background   as in DepthImage.shade; 'system': black or white by the reader's colour scheme
 blend        True: colours fade into the background as V goes to 0
 show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation', 'volume' or 'maximum'

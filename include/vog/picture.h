@@ -199,7 +199,7 @@ struct ResolvedPicture {
 /// A member of a request that does not go with the data or with other members.
 class RequestError : public Error {
   public:
-    /// member  "unit", "range", "scale", "step"
+    /// member  "unit", "range", "scale", "step", "anyhit"
     /// text    " K: the data are in g, expected ..."
     RequestError(const std::string& member, std::string text)
         : Error(member + text), member_(member), text_(std::move(text)) {}

@@ -663,7 +663,7 @@ def export_html(
     levels: int = ...,
     camera: Union[Camera, None] = ...,
     extinction: _Extinction = ...,
-    tf: _Map = ...,
+    tf: Optional[_Map] = ...,
     background: Union[str, _Vector] = ...,
     blend: bool = ...,
     show: str = ...,

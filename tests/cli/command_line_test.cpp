@@ -269,7 +269,7 @@ TEST_F(cli, invalid_levels_are_refused) {
 
 TEST_F(cli, traces_the_picture_it_splats) {
     must("sample cloud cloud.vdb --size 64");
-    must("convert cloud.vdb -o cloud.ply");
+    must("convert cloud.vdb -o cloud.ply --budget 2000");
     must("render cloud.ply --size 64 --extinction 1 --depth-out splat.exr");
     const DepthImage splat = read_depth(dir_ / "splat.exr");
     const float largest = *std::max_element(splat.depth.begin(), splat.depth.end());

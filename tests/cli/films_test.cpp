@@ -82,9 +82,11 @@ TEST_F(films, a_fitted_turn_shows_the_box_from_every_side) {
                  lens)["pictures"];
         for (std::size_t n = 1; n <= 8; ++n) {
             const DepthImage depth = read_depth(dir_ / fmt::format("T/{:04}.exr", n));
-            // A margin of 2.5 % on each side: the rim is empty.
+            // A margin of 2.5 % on each side: the rim has the ends of kernels at most.
+            const float largest = *std::ranges::max_element(depth.depth);
             for (int k = 0; k < 64; ++k) {
-                EXPECT_EQ(depth.at(k, 0) + depth.at(k, 63) + depth.at(0, k) + depth.at(63, k), 0)
+                EXPECT_LT(depth.at(k, 0) + depth.at(k, 63) + depth.at(0, k) + depth.at(63, k),
+                          0.03F * largest)
                     << n;
             }
         }

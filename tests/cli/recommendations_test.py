@@ -5,6 +5,7 @@ A new message with an option or a command in it fails `test_unprovoked_messages_
 why none does. The calls of messages in Python are in tests/python/test_recommendations.py.
 """
 
+import math
 import re
 import shlex
 import struct
@@ -112,7 +113,7 @@ ROWS = [
     ("convert c.nrrd -o m3.ply --method paper --tree-depth 2", r"works with (--strategy tree)", "+"),
     ("convert c.nrrd -o m3.ply --measure-error", r"needs (--block)", "+ 4"),
     ("convert c.nrrd -o m3.ply --scratch .", r"needs (--memory)", "+ 1G"),
-    ("convert c.nrrd -o m3.ply --error 0.000001", r"(--error \S+) needs", "+"),
+    ("convert fine.nrrd -o m3.ply --error 0.000001", r"(--error \S+) needs", "+"),
     ("convert same.csv -o m3.ply", r"\((--radius X)\)", "+"),
     ("convert c.nrrd -o models/", r"\((--again) converts", "+"),
     # Files of other programs, and words.
@@ -240,6 +241,7 @@ def make_inputs(case):
         return max(0.0, 6 - ((x - 5) ** 2 + (y - 6) ** 2 + (z - 5) ** 2) ** 0.5)
 
     volume("c.nrrd", ball)
+    volume("fine.nrrd", lambda x, y, z: max(0.0, 12 - math.dist((x, y, z), (12, 12, 12))), edge=24)
     volume("beside.nrrd", ball, origin=3)
     volume("signed.nrrd", lambda x, y, z: ball(x, y, z) - 1)
     volume("nan.nrrd", lambda x, y, z: float("nan") if x == 5 else ball(x, y, z))

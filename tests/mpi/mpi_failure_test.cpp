@@ -50,10 +50,10 @@ TEST_F(mpi_failure, killed_rank_ends_all) {
 /// A picture of 14 GB on a rank with an address space of 6 GB.
 TEST_F(mpi_failure, lack_of_memory_on_one_rank_ends_all) {
     must("sample cloud c.vdb --size 64");
-    write("small.sh", "#!/bin/sh\nulimit -v 6000000\nexec \"$@\"\n");
+    write("small.sh", "#!/bin/sh\nulimit -v 1000000\nexec \"$@\"\n");
     must_fail_mpi(1,
                   "-n 2 COMMAND render c.vdb -o c.png --size 64 : "
-                  "-n 1 sh small.sh COMMAND render c.vdb -o c.png --size 60000",
+                  "-n 1 sh small.sh COMMAND render c.vdb -o c.png --size 16384",
                   "vog-mpi: out of memory (rank 2 of 3)");
 }
 

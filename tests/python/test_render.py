@@ -296,7 +296,7 @@ def test_gpu_renderers_draw_fields_or_say_what_is_missing(model, renderer):
     maximum = difference(lambda name: vog.render_maximum(model, size=48, renderer=name), np.asarray)
     assert maximum < 0.01 * field.range[1]
     for options, message in (({"anyhit": "collect"}, "anyhit"), ({"samples": 2}, "samples")):
-        with pytest.raises(vog.Error, match=f"{message}.*(is of T|is not for renderer '{renderer}')"):
+        with pytest.raises(vog.Error, match=f"{message}.*(is for T|is not for renderer '{renderer}')"):
             vog.render(model, size=48, show="mean", field="density", renderer=renderer, **options)
 
 
@@ -344,7 +344,7 @@ def test_a_folder_gets_a_site_of_the_whole_model(tmp_path, model):
     again = vog.Gaussians.load(folder)
     assert len(again) == len(model)
     assert again.mass == pytest.approx(model.mass, rel=1e-6)
-    with pytest.raises(vog.Error, match="slabs|quantity|field"):
+    with pytest.raises(vog.Error, match="slabs|quantity|field|show 'nothing'"):
         vog.export_html(f"{tmp_path}/none/", model, show="nothing")
     assert not (tmp_path / "none").exists()
 

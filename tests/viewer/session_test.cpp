@@ -423,8 +423,7 @@ TEST_F(view_command, copied_flags_are_options_of_render) {
     write_value_transfer(dir_ / "LOOK.json",
                          over_range(named_transfer_function("hot"), 0.1, 0.9, 5));
     for (const Show show :
-         {Show::depth, Show::column, Show::mean, Show::deviation,
-          Show::volume, Show::maximum}) {
+         {Show::depth, Show::column, Show::mean, Show::deviation, Show::volume, Show::maximum}) {
         viewer::Quantity quantity;
         quantity.show = show;
         quantity.field.field = "density";
@@ -433,10 +432,9 @@ TEST_F(view_command, copied_flags_are_options_of_render) {
         quantity.look.clip.box = Box{{-9, -9, -9}, {9, 9, 9}};
         quantity.look.clip.planes.push_back({{-1, 0, 0}, -4});
         const bool volume = show == Show::volume;
-        must(
-            "render cloud.ply -o copied.png --size 32 " +
-            viewer::quantity_flags(quantity, {ColorScale::Kind::linear, -0.5, 2}) + " " +
-            viewer::look_flags(look, volume ? "LOOK.json" : look.map, show == Show::depth));
+        must("render cloud.ply -o copied.png --size 32 " +
+             viewer::quantity_flags(quantity, {ColorScale::Kind::linear, -0.5, 2}) + " " +
+             viewer::look_flags(look, volume ? "LOOK.json" : look.map, show == Show::depth));
     }
 }
 

@@ -49,7 +49,7 @@ class QuantityTest(PageTest):
     size = (180, 150)
     block = 4
     # Errors of the plume's and the flow's pictures: PSNR [dB], largest difference [steps of 255], which is of rims that quantised scales move.
-    measured = {"T": (73.2, 4), "column": (66.4, 4), "maximum": (67.2, 1), "volume": (62.9, 2)}
+    measured = {"T": (73.2, 4), "column": (56.5, 4), "maximum": (67.2, 1), "volume": (62.9, 2)}
     # Shares of the pixels of the flow's maps that are off by more than 4 and 1 steps.
     measured_maps = {4: 3.0e-4, 1: 8.9e-4}
 

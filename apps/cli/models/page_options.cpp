@@ -76,8 +76,7 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
         return options;
     }
     std::vector<std::string> found;
-    options.quantity =
-        page_quantity(arguments.quantity, color, first.levels.front(), input, found);
+    options.quantity = page_quantity(arguments.quantity, color, first.levels.front(), input, found);
     print_notes(found);
     notes.insert(notes.end(), found.begin(), found.end());
     return options;

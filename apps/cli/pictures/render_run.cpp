@@ -384,7 +384,8 @@ std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI:
                                     const RenderRanks& ranks) try {
     return render_pictures(arguments, command, ranks);
 } catch (const RequestError& error) {
-    const std::string option = error.member() == "unit" ? "units" : error.member();
+    std::string option = error.member() == "unit" ? "units" : error.member();
+    std::ranges::replace(option, '_', '-');
     throw CLI::ValidationError("--" + option + error.text());
 }
 

@@ -146,8 +146,9 @@ void load_voxels(const DrawingArguments& arguments, const PictureRequest& reques
 void require_field_data(const DrawingArguments& arguments, const PictureRequest& request,
                         FileKind kind) {
     if (kind == FileKind::points && shows_field(request))
-        throw Error(fmt::format("{}: holds particles, --show {} is of models and volumes",
-                                arguments.inputs.front(), word_of(request.show)));
+        throw Error(fmt::format("{}: holds particles; {} needs a model or a volume",
+                                arguments.inputs.front(),
+                                std::string("--show ") + word_of(request.show)));
 }
 
 }  // namespace

@@ -96,8 +96,8 @@ void add_periodic_images(Gaussians& model, const Box& box) {
     all.summary = model.summary;
     all.box = box;
     all.options = fmt::format("{}{}{}{},{},{},{},{},{}", model.options,
-                              model.options.empty() ? "" : " ", kPeriodicOption, box.lower.x, box.lower.y,
-                              box.lower.z, box.upper.x, box.upper.y, box.upper.z);
+                              model.options.empty() ? "" : " ", kPeriodicOption, box.lower.x,
+                              box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z);
     model = std::move(all);
 }
 

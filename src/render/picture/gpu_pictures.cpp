@@ -97,13 +97,13 @@ class GpuModelPictures : public SourceRenderer {
     }
     GpuPictures& prepared(const ResolvedPicture& picture) {
         const RenderOptions& options = picture.request.options;
-        const auto refuse = [&](const char* what) {
-            throw Error(fmt::format("{} with renderer '{}': only T without a clip has that", what,
-                                    info_of(renderer_).name));
+        const auto refuse = [&](const char* member, const char* value) {
+            throw RequestError(member, fmt::format(" {}is for T without a clip with renderer '{}'",
+                                                   value, info_of(renderer_).name));
         };
-        if (options.samples != 1) refuse("several rays a pixel");
-        if (options.trace.anyhit != AnyHit::accumulate) refuse("collected hits");
-        if (options.trace.stop_transmittance > 0) refuse("an end of rays");
+        if (options.samples != 1) refuse("samples", "");
+        if (options.trace.anyhit != AnyHit::accumulate) refuse("anyhit", "collect ");
+        if (options.trace.stop_transmittance > 0) refuse("stop_transmittance", "");
         if (cuts(picture)) {
             pictures_.emplace(renderer_, drawn(picture), TraceSceneOptions{0, options_.kappa});
             whole_ = false;

@@ -95,7 +95,7 @@ TEST(carried_fields, a_mean_errs_at_most_twice_as_much_as_the_column) {
     const Composite mesh = smooth_mesh();
     const Fields fields{at_parts(mesh, "temperature", front)};
     MomentOptions options;
-    options.budget = default_count(mesh.voxels);
+    options.budget = static_cast<std::size_t>(mesh.voxels / 16);
     const MapErrors blind = map_errors(without_following(mesh, fields, options), mesh, fields[0]);
     const MapErrors follows =
         map_errors(convert_for_field(mesh, fields, options, {}), mesh, fields[0]);

@@ -235,8 +235,8 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
 }
 
 FieldMaps render_field_reference(std::span<const Levels* const> parts,
-                                 std::span<const std::span<const VoxelField>> fields, FieldPart part,
-                                 const Camera& camera, int width, int height,
+                                 std::span<const std::span<const VoxelField>> fields,
+                                 FieldPart part, const Camera& camera, int width, int height,
                                  const ReferenceOptions& options, const VoxelGridOptions& voxels) {
     std::vector<std::vector<VoxelField>> valued;
     for (std::size_t n = 0; n < parts.size(); ++n)
