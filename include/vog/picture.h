@@ -66,6 +66,8 @@ std::span<const char* const> show_words();
 const char* word_of(Show show);
 /// throws  vog::Error listing the words, for another one
 Show show_named(std::string_view word);
+/// Whether a quantity is T at some extinction: depth and column.
+inline bool is_depth(Show show) { return show == Show::depth || show == Show::column; }
 /// Whether a quantity is a map of a field along rays: mean and deviation.
 inline bool is_field_map(Show show) { return show == Show::mean || show == Show::deviation; }
 /// Whether a quantity is of one scalar field at each point: volume and maximum.
@@ -243,6 +245,8 @@ class PictureRenderer {
     PictureRenderer& operator=(PictureRenderer&&) noexcept;
 
     const Scene& scene() const;
+    /// Prepares the data for pictures like this one, as the first draw() does otherwise.
+    void prepare(const ResolvedPicture& picture);
     /// sums      receives the picture, its memory is reused; on the root of several processes alone it is complete
     /// progress  called with the finished fraction; not by all renderers
     /// throws    vog::Error for options that are not the renderer's, and as the renderer itself does

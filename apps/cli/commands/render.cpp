@@ -117,7 +117,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     const std::vector<Frame> frames = sequence_frames(inputs, arguments.output, ".png");
     const std::vector<Frame> depths = sequence_frames(inputs, arguments.depth_output, ".exr");
     const std::vector<Frame> values = sequence_frames(inputs, quantity.values_output, ".npy");
-    const bool fixes_range = quantity.scaled() && quantity.range.empty();
+    const bool fixes_range = quantity.shown() != Show::depth && quantity.range.empty();
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;

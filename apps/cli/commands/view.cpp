@@ -167,8 +167,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
         return camera;
     };
     options.extinction = fixed_extinction(arguments.color).value_or(options.extinction);
-    viewer::load_map(options.look,
-                     map_of(arguments.color, show_named(arguments.quantity.quantity.show)));
+    viewer::load_map(options.look, map_of(arguments.color, arguments.quantity.quantity.shown()));
     options.look.shading = shading_of(arguments.color);
     set_quantity(options, arguments);
     options.read = [&](const std::vector<std::string>& files) {

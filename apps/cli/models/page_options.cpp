@@ -53,7 +53,7 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     options.description = arguments.description;
     options.precise = arguments.precise;
     // A file of values is of volume; the other quantities then have the default colours.
-    const Show show = show_named(arguments.quantity.quantity.show);
+    const Show show = arguments.quantity.quantity.shown();
     const std::string map = map_of(arguments.color, show);
     const bool by_value =
         show == Show::volume && !std::ranges::count(transfer_function_names(), map);
@@ -84,7 +84,7 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
 
 void check_page_options(const PageArguments& arguments, const CLI::App& command) {
     stated_quantity(arguments.quantity);
-    const Show show = show_named(arguments.quantity.quantity.show);
+    const Show show = arguments.quantity.quantity.shown();
     if (show != Show::volume) load_transfer_function(map_of(arguments.color, show));
     fixed_extinction(arguments.color);
     if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);

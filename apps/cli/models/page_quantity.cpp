@@ -41,12 +41,13 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments) {
     quantity.field = given.field;
     quantity.look = look_of(arguments.value);
     if (arguments.value.slabs)
-        (given.maximum() ? quantity.maximum_slabs : quantity.slabs) = *arguments.value.slabs;
+        (given.shown() == Show::maximum ? quantity.maximum_slabs : quantity.slabs) =
+            *arguments.value.slabs;
     quantity.look.clip = clip_of(arguments);
     if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
         throw CLI::ValidationError(fmt::format("--clip-plane: {} planes, expected at most {}",
                                                quantity.look.clip.planes.size(), kMostHtmlPlanes));
-    if (!given.volume()) quantity.scale = fixed_scale(given);
+    if (given.shown() != Show::volume) quantity.scale = fixed_scale(given);
     quantity.log = given.logarithmic();
     return quantity;
 }
@@ -56,11 +57,10 @@ HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorAr
                            std::vector<std::string>& notes) {
     HtmlQuantity quantity = stated_quantity(arguments);
     quantity.look.clip = inside_period(quantity.look.clip, model);
-    if (arguments.quantity.maximum())
-        (void)scalar_field_of(model.fields, quantity.field, input, show_named(quantity.show));
-    if (!arguments.quantity.volume()) return quantity;
-    const ScalarField& field =
-        scalar_field_of(model.fields, quantity.field, input, show_named(quantity.show));
+    const Show show = arguments.quantity.shown();
+    if (!is_by_value(show)) return quantity;
+    const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, show);
+    if (show == Show::maximum) return quantity;
     quantity.field = field.name;
     quantity.transfer = stated_transfer(arguments, color, model, field, notes);
     return quantity;

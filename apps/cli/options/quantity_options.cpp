@@ -106,7 +106,7 @@ std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments) {
 }
 
 void check_quantity_options(const QuantityArguments& arguments) {
-    if (arguments.of_field() && arguments.field.empty())
+    if (is_field_map(arguments.shown()) && arguments.field.empty())
         throw CLI::ValidationError(fmt::format("--show {}: expected --field NAME", arguments.show));
     (void)fixed_scale(arguments);
 }

@@ -15,12 +15,7 @@ struct QuantityArguments {
     /// Share of the largest column below which a picture of a field shows nothing.
     double least_column = kLeastColumn;
 
-    bool column() const { return show == "column"; }
-    bool of_field() const { return show == "mean" || show == "deviation"; }
-    bool volume() const { return show == "volume"; }
-    bool maximum() const { return show == "maximum"; }
-    /// Whether colours are over --range.
-    bool scaled() const { return column() || of_field() || volume() || maximum(); }
+    Show shown() const { return show_named(show); }
     bool logarithmic() const { return log || scale == "log"; }
     ScaleFit fit() const {
         return logarithmic()          ? ScaleFit::log

@@ -8,7 +8,7 @@ namespace vog::cli {
 PictureRequest picture_request(const QuantityArguments& quantity, const ColorArguments& color,
                                const ValueArguments& value) {
     PictureRequest request;
-    request.show = show_named(quantity.show);
+    request.show = quantity.shown();
     request.field = quantity.field;
     request.fit = quantity.fit();
     request.least_column = quantity.least_column;

@@ -322,7 +322,7 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
                                       static_cast<double>(size.width) / size.height);
     // Nodes have means of values, below the largest ones.
-    const double pixel_error = arguments.quantity.show == "maximum" ? 0 : 1;
+    const double pixel_error = arguments.quantity.shown() == Show::maximum ? 0 : 1;
     arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
                                    arguments.drawing.pixel_error.value_or(pixel_error)};
     // The chunks are the cut.
@@ -357,6 +357,7 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const
         print_notes(notes);
         inputs.notes.insert(inputs.notes.end(), notes.begin(), notes.end());
     }
+    stages.run("prepare", [&] { renderer.prepare(picture); });
     Sums sums;
     const auto draw = [&](const RenderArguments& one,
                           const Camera& camera) -> std::optional<RenderedPicture> {

@@ -176,7 +176,7 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
         own.light = std::move(light.pixel);
         finished.scale = picture.chosen.scale;
         if (picture.request.marks.color_bar) colors = bar_of(picture.chosen);
-    } else if (show == Show::depth || show == Show::column) {
+    } else if (is_depth(show)) {
         color_depth(finished);
     } else {
         color_map(finished);
@@ -190,7 +190,7 @@ void write_numbers(const std::filesystem::path& file, const Picture& picture) {
     const Show show = picture.made.request.show;
     if (show == Show::volume) throw Error("a volume picture has colours, no numbers");
     const bool exr = file.extension() == ".exr";
-    if (show == Show::depth || show == Show::column) {
+    if (is_depth(show)) {
         write_values(file, picture.depth());
     } else if (exr && show == Show::maximum) {
         const NamedValues channels[] = {{"maximum", sums.maximum}};

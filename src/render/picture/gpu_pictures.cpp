@@ -23,6 +23,13 @@ class GpuModelPictures : public SourceRenderer {
                          cutoff_of_kappa(options.kappa, source_.model->cutoff));
     }
 
+    void prepare(const ResolvedPicture& picture) override {
+        if (cuts(picture)) return;
+        if (is_depth(picture.request.show) && picture.request.options.clip.empty())
+            prepare_depth(*source_.model);
+        else
+            (void)prepared(picture);
+    }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress&) override {
         GpuPictures& pictures = prepared(picture);
@@ -42,14 +49,11 @@ class GpuModelPictures : public SourceRenderer {
                                    request.options.clip);
             report.gpu_ms = pictures.gpu_ms();
         } else if (renderer_ == Renderer::cuda) {
-            if (const Gaussians& model = drawn(picture); &model != depth_of_)
-                cuda_.emplace(model, options_.kappa), depth_of_ = &model;
+            prepare_depth(drawn(picture));
             image = cuda_->render(picture.camera(), request.width, request.height);
             report.gpu_ms = cuda_->gpu_ms();
         } else {
-            if (const Gaussians& model = drawn(picture); &model != depth_of_)
-                optix_.emplace(model, TraceSceneOptions{options_.aabb_sigma, options_.kappa}),
-                    depth_of_ = &model;
+            prepare_depth(drawn(picture));
             image = optix_->render(picture.camera(), request.width, request.height,
                                    request.options.trace, &report.traced.emplace(),
                                    request.options.samples);
@@ -95,6 +99,15 @@ class GpuModelPictures : public SourceRenderer {
         report.cut = cut_->report();
         return chosen;
     }
+    /// Sends a model for T without a clip.
+    void prepare_depth(const Gaussians& model) {
+        if (&model == depth_of_) return;
+        if (renderer_ == Renderer::cuda)
+            cuda_.emplace(model, options_.kappa);
+        else
+            optix_.emplace(model, TraceSceneOptions{options_.aabb_sigma, options_.kappa});
+        depth_of_ = &model;
+    }
     GpuPictures& prepared(const ResolvedPicture& picture) {
         const RenderOptions& options = picture.request.options;
         const auto refuse = [&](const char* member, const char* value) {
@@ -130,6 +143,9 @@ class GpuVoxelPictures : public SourceRenderer {
   public:
     explicit GpuVoxelPictures(const VoxelSource& source) : source_(source) {}
 
+    void prepare(const ResolvedPicture& picture) override {
+        (void)prepared(is_depth(picture.request.show) ? "" : picture.field.field);
+    }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress&) override {
         const PictureRequest& request = picture.request;

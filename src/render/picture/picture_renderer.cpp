@@ -42,6 +42,7 @@ struct PictureRenderer::State {
     std::map<std::pair<Renderer, Prepared>, std::unique_ptr<SourceRenderer>> by;
     DrawReport report;
 
+    bool is_empty() const { return !scene.has_voxels() && scene.model().model->size() == 0; }
     bool several() const { return scene.collective && scene.collective->several(); }
 
     std::unique_ptr<SourceRenderer> made(Renderer renderer, const RenderOptions& options) const {
@@ -80,7 +81,7 @@ struct PictureRenderer::State {
     void draw_joint(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
         SourceRenderer& renderer = prepared(picture.request);
         const Show show = picture.request.show;
-        const bool depth = show == Show::depth || show == Show::column;
+        const bool depth = is_depth(show);
         if (is_field_map(show) && several() && !scene.has_voxels()) {
             sums.width = picture.request.width, sums.height = picture.request.height;
             SourceRenderer::take(joint_maps(picture.field, *scene.collective,
@@ -90,7 +91,7 @@ struct PictureRenderer::State {
                                  sums);
             return;
         }
-        if (depth && !scene.has_voxels() && scene.model().model->size() == 0) {
+        if (depth && is_empty()) {
             sums.width = picture.request.width, sums.height = picture.request.height;
             sums.column.assign(DepthImage(sums.width, sums.height).depth.size(), 0);
         } else {
@@ -109,6 +110,10 @@ PictureRenderer& PictureRenderer::operator=(PictureRenderer&&) noexcept = defaul
 const Scene& PictureRenderer::scene() const { return state_->scene; }
 const DrawReport& PictureRenderer::report() const { return state_->report; }
 
+void PictureRenderer::prepare(const ResolvedPicture& picture) {
+    if (!state_->is_empty()) state_->prepared(picture.request).prepare(picture);
+}
+
 void PictureRenderer::draw(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
     const Scene& scene = state_->scene;
     const PictureRequest& request = picture.request;
@@ -116,8 +121,8 @@ void PictureRenderer::draw(const ResolvedPicture& picture, Sums& sums, const Pro
     if (scene.has_voxels()) {
         state_->draw_joint(picture, sums, progress);
     } else {
-        const bool depth = request.show == Show::depth || request.show == Show::column;
-        if (depth && !request.options.clip.empty()) require_clippable(request.options);
+        if (is_depth(request.show) && !request.options.clip.empty())
+            require_clippable(request.options);
         ResolvedPicture inside = picture;
         inside.request.options.clip = inside_period(request.options.clip, *scene.model().model);
         state_->draw_joint(inside, sums, progress);

@@ -19,6 +19,19 @@ class ReferencePictures : public SourceRenderer {
                       const Collective* processes)
         : sources_(std::move(sources)), voxels_(options.voxels), processes_(processes) {}
 
+    /// Grids for T.
+    void prepare(const ResolvedPicture& picture) override {
+        if (!is_depth(picture.request.show) || !grids_.empty() || !levels_.empty()) return;
+        for (const VoxelSource& source : sources_) {
+            if (source.volumes->is_mesh()) {
+                if (!source.volumes->volumes.empty())
+                    levels_.push_back(level_grids(*source.volumes, voxels_));
+                continue;
+            }
+            for (const Volume& volume : source.volumes->volumes)
+                grids_.push_back(voxel_grid(volume, voxels_));
+        }
+    }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress& progress) override {
         const PictureRequest& request = picture.request;
@@ -40,7 +53,7 @@ class ReferencePictures : public SourceRenderer {
   protected:
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
-        prepare();
+        prepare(picture);
         const PictureRequest& request = picture.request;
         ReferenceOptions options = reference_options(request, progress);
         options.collective = nullptr;
@@ -93,19 +106,6 @@ class ReferencePictures : public SourceRenderer {
     ReferenceOptions reference_options(const PictureRequest& request,
                                        const Progress& progress) const {
         return {progress, request.options.samples, request.options.clip, processes_};
-    }
-    /// Grids for T.
-    void prepare() {
-        if (!grids_.empty() || !levels_.empty()) return;
-        for (const VoxelSource& source : sources_) {
-            if (source.volumes->is_mesh()) {
-                if (!source.volumes->volumes.empty())
-                    levels_.push_back(level_grids(*source.volumes, voxels_));
-                continue;
-            }
-            for (const Volume& volume : source.volumes->volumes)
-                grids_.push_back(voxel_grid(volume, voxels_));
-        }
     }
 
     std::vector<VoxelSource> sources_;

@@ -44,6 +44,8 @@ class SourceRenderer {
             }
         }
     }
+    /// What pictures like this one share, which is made with the first one otherwise.
+    virtual void prepare(const ResolvedPicture&) {}
     /// Maps of a field, for joint ones of several processes.
     virtual FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                              const Progress& progress) = 0;

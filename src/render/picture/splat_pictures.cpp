@@ -18,6 +18,11 @@ class SplatPictures : public SourceRenderer {
         if (source_.hierarchy && source_.hierarchy->empty()) source_.hierarchy.reset();
     }
 
+    void prepare(const ResolvedPicture& picture) override {
+        const PictureRequest& request = picture.request;
+        if (is_depth(request.show) && request.options.clip.empty() && !splat_)
+            splat_.emplace(model(), splat_options(request));
+    }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress& progress) override {
         const PictureRequest& request = picture.request;
@@ -39,8 +44,8 @@ class SplatPictures : public SourceRenderer {
                                                   camera, request.width, request.height);
             return;
         }
+        prepare(picture);
         const SplatOptions options = splat_options(request);
-        if (!splat_) splat_.emplace(model(), options);
         splat_->set_cut(options.cut);
         splat_->render(camera, request.width, request.height, image, progress);
         if (options.hierarchy) report.cut = splat_->cut_report();

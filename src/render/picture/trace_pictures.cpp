@@ -14,6 +14,11 @@ class TracePictures : public SourceRenderer {
     TracePictures(const ModelSource& source, const RenderOptions& options)
         : model_(source.model), scene_options_{options.aabb_sigma, options.kappa} {}
 
+    void prepare(const ResolvedPicture& picture) override {
+        const PictureRequest& request = picture.request;
+        if (is_depth(request.show) && request.options.clip.empty() && !scene_)
+            scene_.emplace(trace_scene(*model_, scene_options_));
+    }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress& progress) override {
         const PictureRequest& request = picture.request;
@@ -34,7 +39,7 @@ class TracePictures : public SourceRenderer {
                                                   request.width, request.height, options);
             return;
         }
-        if (!scene_) scene_.emplace(trace_scene(*model_, scene_options_));
+        prepare(picture);
         image = render_trace(*scene_, picture.camera(), request.width, request.height,
                              trace_options(request, progress), &report.traced.emplace());
     }
