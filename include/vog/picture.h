@@ -57,7 +57,7 @@ enum class Show {
     depth,      ///< optical depth T, coloured by V = 1 - exp(-T)
     column,     ///< integral of the density along the ray
     mean,       ///< mean of a field along the ray, weighted by density
-    deviation,  ///< standard deviation of a field along the ray, likewise
+    deviation,  ///< standard deviation of a field along the ray, weighted by density
     volume,     ///< emission and absorption under a transfer function of a field's values
     maximum,    ///< largest value of a field on the ray
 };
@@ -70,7 +70,7 @@ Show show_named(std::string_view word);
 inline bool is_depth(Show show) { return show == Show::depth || show == Show::column; }
 /// Whether a quantity is a map of a field along rays: mean and deviation.
 inline bool is_field_map(Show show) { return show == Show::mean || show == Show::deviation; }
-/// Whether a quantity is of one scalar field at each point: volume and maximum.
+/// Whether a quantity shows the values of one scalar field at each point: volume and maximum.
 inline bool is_by_value(Show show) { return show == Show::volume || show == Show::maximum; }
 
 /// Name of the number that a quantity shows, with its unit: "column density [g/cm2]", "deviation of temperature [K]".
@@ -198,7 +198,7 @@ struct ResolvedPicture {
     double factor = 1;       ///< from the data's unit to `unit`
     const Camera& camera() const { return *request.camera; }
 };
-/// A member of a request that does not go with the data or with other members.
+/// A member of a request that contradicts the data or other members.
 class RequestError : public Error {
   public:
     /// member  "unit", "range", "scale", "step", "anyhit"

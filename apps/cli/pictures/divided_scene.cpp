@@ -212,13 +212,14 @@ void require_addable(const DrawingArguments& arguments, const PictureRequest& re
             "a ray; expected one process (vog render)");
     if (kind == FileKind::volume && linear && (by_value || arguments.step_voxels > 0))
         throw CLI::ValidationError(fmt::format(
-            "{} with --interpolation linear: samples begin where a ray enters the whole volume, of "
-            "which a rank holds a part; expected {}, or one process (vog render)",
+            "{} with --interpolation linear: samples begin where a ray enters the whole volume, "
+            "and "
+            "a rank holds only a part of it; expected {}, or one process (vog render)",
             show, by_value ? "--interpolation constant" : "--step 0 (exact, cell by cell)"));
     if (*request.renderer == Renderer::trace && by_value)
         throw CLI::ValidationError(fmt::format(
-            "--renderer trace: {} needs all Gaussians of a ray in their order, of which a rank "
-            "holds a part; expected --renderer splat, or one process (vog render)",
+            "--renderer trace: {} needs all Gaussians of a ray in their order, and a rank "
+            "holds only some of them; expected --renderer splat, or one process (vog render)",
             show));
     const bool on_gpu = *request.renderer == Renderer::cuda || *request.renderer == Renderer::optix;
     const bool volumes_of_field = kind == FileKind::volume && is_field_map(request.show);

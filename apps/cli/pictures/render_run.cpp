@@ -135,7 +135,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
 }
 
 /// Draws once, or as --repeat states.
-/// returns  times, ms, of which there is at least one
+/// returns  times, ms: at least one
 std::vector<double> timed(const RenderArguments& arguments, const std::function<void()>& draw) {
     // With --repeat N: one warm-up that is not timed, then N timed renders.
     std::vector<double> render_ms;

@@ -27,7 +27,6 @@ class SplatPictures : public SourceRenderer {
                      const Progress& progress) override {
         const PictureRequest& request = picture.request;
         SplatOptions options = splat_options(request);
-        options.aabb_sigma = options_.aabb_sigma;
         options.progress = progress;
         return render_field_splat(model(), choice, picture.camera(), request.width, request.height,
                                   options, source_.hierarchy ? &report.cut.emplace() : nullptr,
