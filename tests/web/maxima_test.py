@@ -14,25 +14,23 @@ SCALE = {"low": 0, "high": 2.5, "log": False}
 
 
 class Maxima(QuantityTest):
-    off = off_precise = None  # of expect_page_is()
-
-    def pictures(self, page, off):
+    def pictures(self, page):
         """Clipped, and under parallel rays."""
         self.start(page)
         box, lens = self.value("vog.page.models[0].box"), self.value("vog.state.camera")
         lower = [c - 0.4 * h for c, h in zip(box["center"], box["half"])]
         upper = [c + s * h for c, h, s in zip(box["center"], box["half"], (0.5, 0.2, 1))]
         self.change(show="maximum", scale=SCALE, clip={"lower": lower, "upper": upper})
-        self.expect_page_is("model.ply", "--show", "maximum", *RANGE, "--clip", ",".join(map(repr, lower + upper)), off=off)
+        self.expect_page_is("model.ply", "--show", "maximum", *RANGE, "--clip", ",".join(map(repr, lower + upper)))
         self.change(clip=None, camera={**lens, "span": 80})
-        self.expect_page_is("model.ply", "--show", "maximum", *RANGE, off=off)
+        self.expect_page_is("model.ply", "--show", "maximum", *RANGE)
 
     def test_maxima_are_vog_renders(self):
-        self.pictures("model.html", self.off)
+        self.pictures("model.html")
 
     def test_maxima_of_precise_pages_are_nearer(self):
         vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise", "--tf", "inferno")
-        self.pictures("precise.html", self.off_precise)
+        self.pictures("precise.html")
 
     def test_maxima_have_a_number_and_a_link(self):
         self.browser.viewport(1000, 800, COARSE)
