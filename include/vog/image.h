@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace vog {
@@ -77,23 +78,28 @@ bool opaque(const Image& image);
 /// returns  [height * width * 3] red, green, blue; [height * width * 4] with alpha
 std::vector<std::uint8_t> image_bytes(const Image& image, bool with_alpha);
 /// Content of the file that write_png writes. throws vog::Error as write_png does
-std::vector<std::uint8_t> png_bytes(const Image& image);
+std::vector<std::uint8_t> png_bytes(const Image& image, const std::string& record = {});
 /// Writes a PNG of 8 bits a channel, round(255 c), clamped; RGB, or RGBA if any alpha is below 1.
 /// Like every writer here, writes beside the file and renames it when whole.
 /// throws  vog::Error if the file cannot be written, and for an image without pixels, with NaN,
 ///         above 65536 pixels a side or above 2^28 in all (readers refuse those too)
-void write_png(const std::filesystem::path& file, const Image& image);
+/// record  text on how the picture was made (vog/picture_record.h); empty: none
+void write_png(const std::filesystem::path& file, const Image& image,
+               const std::string& record = {});
 /// Writes an EXR of float32 RGBA with lossless ZIP. The file stores colours multiplied by alpha, as
 /// EXR defines; read_image divides again, so a pixel of alpha 0 loses its colour.
 /// throws  vog::Error as write_png does
-void write_exr(const std::filesystem::path& file, const Image& image);
+void write_exr(const std::filesystem::path& file, const Image& image,
+               const std::string& record = {});
 /// Writes a PNG or an EXR, by the extension of `file`.
 /// throws  vog::Error as these two do, and for any other extension
-void write_image(const std::filesystem::path& file, const Image& image);
+void write_image(const std::filesystem::path& file, const Image& image,
+                 const std::string& record = {});
 /// Writes a depth image as an EXR: one float32 channel Y = T, lossless ZIP, double attribute
 /// `extinction`.
 /// throws  vog::Error as write_png does, and for a T that is negative or not finite
-void write_exr(const std::filesystem::path& file, const DepthImage& image);
+void write_exr(const std::filesystem::path& file, const DepthImage& image,
+               const std::string& record = {});
 
 /// Reads a colour image: a PNG of any depth and colour type (values as stored: no gamma, no
 /// profile), or an EXR with R, G, B and optionally A, float32 or half. The format is found by the

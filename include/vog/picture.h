@@ -36,6 +36,11 @@ inline constexpr double kLeastColumn = 1e-4;
 /// width, height  pixels; renderers refuse those below 1
 Camera default_view(const Subject& subject, int width, int height);
 
+/// Box that axes outline, world units: of the active voxels, where they are known.
+Box outline_of(const Subject& subject);
+/// Subject of fitted views of pictures with axes: their box, with room for the coordinates around it.
+Subject with_axes(Subject subject);
+
 /// Extinction of a model that is drawn from many views, as exported splats are: auto_extinction of the fitted view `paper`.
 double default_extinction(const Gaussians& model);
 
@@ -83,8 +88,8 @@ struct ColoredMap {
     ValueMap shown;  ///< NaN where nothing is shown
     ColorScale scale;
 };
-/// Map of a column, mean or deviation and its colour scale. Columns go from 0 to the largest, or over the four decades below it
-/// (automatic_scale); fields from the 1st to the 99th percentile where the column is at least a thousandth of the largest
+/// Map of a column, mean or deviation and its colour scale. Columns go from 0 to the largest, or logarithmically from the 5th
+/// percentile (automatic_scale); fields from the 1st to the 99th percentile where the column is at least a thousandth of the largest
 /// (fitted_scale).
 /// fixed         scale in place of the fitted one
 /// least_column  share of the largest column below which a field shows nothing
@@ -124,7 +129,6 @@ double map_unit_distance(const ValueData& data, const ColorScale& scale);
 /// Transfer function of a volume picture as a user states it. At most one of `window` and `bands`; both replace colour maps.
 struct TransferRequest {
     TransferPoints points;  ///< colour map over `range`, or a file's points (transfer_points)
-    std::optional<TransferFunction> map{};           ///< over `range`, in place of points
     std::optional<std::pair<double, double>> range;  ///< least and largest value under a map
     std::optional<bool>
         log;  ///< whether a map is over logarithms; nothing: as value_scale, of a stated range not
@@ -201,7 +205,7 @@ struct ResolvedPicture {
 /// A member of a request that contradicts the data or other members.
 class RequestError : public Error {
   public:
-    /// member  "unit", "range", "scale", "step", "anyhit"
+    /// member  "units", "range", "scale", "step", "anyhit"
     /// text    " K: the data are in g, expected ..."
     RequestError(const std::string& member, std::string text)
         : Error(member + text), member_(member), text_(std::move(text)) {}
@@ -215,6 +219,9 @@ class RequestError : public Error {
 /// Sets every default.
 /// throws  RequestError for a unit that does not convert; vog::Error for a field that the scene lacks, and as choose_transfer does
 ResolvedPicture resolve(PictureRequest request, const Scene& scene);
+/// The same picture under the colours, scale and marks of a request; its numbers are in its unit already.
+/// throws  vog::Error for another transfer function of a volume, whose light is drawn under it
+ResolvedPicture recolored(ResolvedPicture picture, PictureRequest request);
 /// Values of the scalar field of a volume picture, over all processes.
 ValueData value_data(const Scene& scene, const std::string& field);
 
@@ -264,7 +271,8 @@ struct Picture {
     Sums sums;              ///< in the unit of `made`; column at the extinction
     ColorScale scale;       ///< scale of the colours
     double extinction = 1;  ///< factor on density in T
-    ResolvedPicture made;
+    ResolvedPicture made;   ///< with the extinction and the range that the drawn numbers gave
+    std::vector<float> opacity{};  ///< [height * width] of a volume
 
     /// [height * width] the shown numbers, T at the extinction; of volumes the opacity.
     std::span<const float> values() const;
@@ -279,6 +287,8 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene);
 /// Writes the numbers of a picture: .npy, or .exr with a channel Y (T, column), "maximum", or all three of column, mean and
 /// deviation.
 /// throws  vog::Error as write_values does, and for volumes, which have none
-void write_numbers(const std::filesystem::path& file, const Picture& picture);
+/// record  as write_png has it, for .exr
+void write_numbers(const std::filesystem::path& file, const Picture& picture,
+                   const std::string& record = {});
 
 }  // namespace vog

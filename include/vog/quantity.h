@@ -40,9 +40,8 @@ enum class ScaleFit {
     log,        ///< the same percentiles of the values above 0, at most four decades
     symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes
 };
-/// Scale of all values of images: linear from 0 to the largest, or logarithmic over the four
-/// decades below the largest, fewer where the smallest value above 0 is larger. Images without a value above 0 have the
-/// largest value 1.
+/// Scale of all values of images: linear from 0 to the largest, or logarithmic from the 5th percentile of the values above 0, one to
+/// four decades. Images without a value above 0 have the largest value 1.
 /// throws  vog::Error for a value that is negative or not finite
 ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit);
 
@@ -121,7 +120,9 @@ Image annotated(const Image& picture, const TransferFunction& tf, const ColorSca
 /// Writes values as float32: .npy (NumPy, [height, width]) or .exr (one channel Y), by extension.
 /// Written beside the file and renamed when whole.
 /// throws  vog::Error for another extension, or if the file cannot be written
-void write_values(const std::filesystem::path& file, const DepthImage& values);
+/// record  as write_png has it, for .exr
+void write_values(const std::filesystem::path& file, const DepthImage& values,
+                  const std::string& record = {});
 /// Writes a map as .npy, NaN included.
 /// throws  vog::Error as for depth images
 void write_map(const std::filesystem::path& file, const ValueMap& map);
@@ -134,6 +135,6 @@ struct NamedValues {
 /// Writes channels of float32 by their names to one .exr, NaN included.
 /// throws  vog::Error as for depth images, and for channels of another size
 void write_channels(const std::filesystem::path& file, int width, int height,
-                    std::span<const NamedValues> channels);
+                    std::span<const NamedValues> channels, const std::string& record = {});
 
 }  // namespace vog

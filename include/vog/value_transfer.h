@@ -80,6 +80,8 @@ ValueTransfer over_range(const TransferPoints& points, double lower, double uppe
                          double unit_distance, bool log = false);
 /// Colours and opacities of shares as points. throws vog::Error for an invalid tf
 TransferPoints transfer_points(const TransferFunction& tf);
+/// Points at values, as a file of write_value_transfer states them. throws vog::Error as validate does
+TransferPoints transfer_points(const ValueTransfer& transfer);
 /// Both in one: the transfer function of values of a name or a file.
 ValueTransfer read_value_transfer(const std::string& name_or_file, double lower, double upper,
                                   double default_unit_distance);

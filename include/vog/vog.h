@@ -77,6 +77,7 @@
 #include "vog/model_io.h"
 #include "vog/periodic.h"
 #include "vog/picture.h"
+#include "vog/picture_record.h"
 #include "vog/ply.h"
 #include "vog/points.h"
 #include "vog/progress.h"

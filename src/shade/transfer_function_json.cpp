@@ -12,6 +12,7 @@
 #include "core/json_fault.h"
 #include "shade/color_spaces.h"
 #include "shade/transfer_function.h"
+#include "shade/transfer_json.h"
 #include "shade/values/unit_range.h"
 #include "vog/error.h"
 #include "vog/value_transfer.h"
@@ -280,12 +281,11 @@ TransferPoints points_in(const std::filesystem::path& file) {
     TransferPoints read;
     try {
         std::ifstream stream(file, std::ios::binary);
-        read = from_json(json::parse(stream), where);
+        read = points_of(json::parse(stream), where);
     } catch (const json::exception& error) {
         throw Error(where + json_fault(error));
     }
     if (read.points.name.empty()) read.points.name = file.stem().string();
-    require_valid(file.string(), over_unit_range(read));
     return read;
 }
 
@@ -318,6 +318,26 @@ std::string name_text(const std::string& name) {
 
 }  // namespace
 
+TransferPoints shading::points_of(const json& root, const std::string& where) {
+    TransferPoints read = from_json(root, where);
+    require_valid(where.substr(0, where.size() - 2), over_unit_range(read));
+    return read;
+}
+
+nlohmann::ordered_json shading::points_json(const TransferPoints& given) {
+    const ValueTransfer& points = given.points;
+    if (!given.at_values && is_transfer_function_name(points.name) &&
+        transfer_points(points.name).points == points)
+        return points.name;
+    nlohmann::ordered_json json{{"name", points.name}};
+    if (given.at_values) json["domain"] = {given.lower, given.upper};
+    if (given.has_unit_distance) json["unit_distance"] = points.unit_distance;
+    json["colors"] = nlohmann::ordered_json::array();
+    for (const ValueColor& p : points.color) json["colors"].push_back({p.value, p.r, p.g, p.b});
+    for (const ValueOpacity& p : points.opacity) json["opacity"].push_back({p.value, p.opacity});
+    return json;
+}
+
 TransferFunction read_transfer_function(const std::filesystem::path& file) {
     return over_unit_range(points_in(file));
 }
@@ -336,15 +356,19 @@ void write_transfer_function(const std::filesystem::path& file, const TransferFu
     write_file(file, [&](std::ofstream& out) { out << text; });
 }
 
-void write_value_transfer(const std::filesystem::path& file, const ValueTransfer& transfer) {
+TransferPoints transfer_points(const ValueTransfer& transfer) {
     validate(transfer);
     const double low = std::min(transfer.color.front().value, transfer.opacity.front().value);
-    double high = std::max(transfer.color.back().value, transfer.opacity.back().value);
-    if (!(high > low)) high = low + std::max(std::abs(low), 1.0);
+    const double high = std::max(transfer.color.back().value, transfer.opacity.back().value);
+    return {transfer, true, low, high > low ? high : low + std::max(std::abs(low), 1.0), true};
+}
+
+void write_value_transfer(const std::filesystem::path& file, const ValueTransfer& transfer) {
+    const TransferPoints points = transfer_points(transfer);
     const std::string text =
         name_text(transfer.name) +
-        fmt::format(",\n  \"domain\": [{}, {}],\n  \"unit_distance\": {}", low, high,
-                    transfer.unit_distance) +
+        fmt::format(",\n  \"domain\": [{}, {}],\n  \"unit_distance\": {}", points.lower,
+                    points.upper, transfer.unit_distance) +
         points_text("colors", transfer.color,
                     [](const ValueColor& p) {
                         return fmt::format("{}, {}, {}, {}", p.value, p.r, p.g, p.b);

@@ -40,9 +40,10 @@ void write_npy(const std::filesystem::path& file, int width, int height,
 
 }  // namespace
 
-void write_values(const std::filesystem::path& file, const DepthImage& values) {
+void write_values(const std::filesystem::path& file, const DepthImage& values,
+                  const std::string& record) {
     const std::string extension = file.extension().string();
-    if (extension == ".exr") return write_exr(file, values);
+    if (extension == ".exr") return write_exr(file, values, record);
     if (extension != ".npy")
         throw Error(fmt::format("{}: cannot write '{}' for values, expected .npy or .exr",
                                 file.string(), extension));
@@ -59,7 +60,7 @@ void write_map(const std::filesystem::path& file, const ValueMap& map) {
 }
 
 void write_channels(const std::filesystem::path& file, int width, int height,
-                    std::span<const NamedValues> channels) {
+                    std::span<const NamedValues> channels, const std::string& record) {
     require_valid_size(file.string(), width, height);
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     std::vector<const char*> names;
@@ -73,7 +74,7 @@ void write_channels(const std::filesystem::path& file, int width, int height,
     interleaved.reserve(pixels * channels.size());
     for (std::size_t n = 0; n < pixels; ++n)
         for (const NamedValues& channel : channels) interleaved.push_back(channel.values[n]);
-    image_files::write_exr(file, width, height, names, interleaved);
+    image_files::write_exr(file, width, height, names, interleaved, record);
 }
 
 }  // namespace vog

@@ -55,7 +55,10 @@ TEST_F(films, a_turn_is_the_pictures_of_its_cameras_under_one_extinction) {
             fmt::format("render models/step_1.ply -o one.png --size 32x24 --elevation 20 "
                         "--distance 3 --azimuth={:.17g} --extinction {}",
                         34.37746770784939 - 90 * double(n), turn[0]["extinction"].dump()));
-        EXPECT_EQ(read_text(dir_ / "one.png"), read_text(dir_ / turn[n]["output"])) << n;
+        // The cameras differ by rounding, in the pictures' records.
+        EXPECT_EQ(read_image(dir_ / "one.png").pixel,
+                  read_image(dir_ / turn[n]["output"].get<std::string>()).pixel)
+            << n;
     }
 }
 

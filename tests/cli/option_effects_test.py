@@ -45,7 +45,7 @@ VALUES = {
     "--opacity-threshold": "0.2", "--minimum-radius": "2", "--host": "0.0.0.0", "--allow-origin": "https://example.org", "--tf": "viridis", "--stop-transmittance": "0.5",
     "--title": "T", "--slab-hits": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
-    "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
+    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
 }
 
 # Effects that depend on the data: inputs in place of the case's, for both runs.
@@ -192,6 +192,8 @@ def make_inputs(made):
             "{made}/%s.exr" % name, "--save-camera", "{made}/camera.json", "--values-out", "{made}/%s.npy" % name)
         vog("render", "{made}/model.ply", "--show", "mean", "--field", "temperature", "--size", "16", "--roll", roll,
             "--values-out", "{made}/field_%s.exr" % name)
+    # Of no data, so that it goes with all: what differs is the size.
+    vog("render", "{made}/model.ply", "-o", "{made}/request.png", "--size", "24")
     Path(made, "tour.vog").write_text("wait\npicture {out}/p.png\ndepth {out}/d.exr\nscreenshot {out}/s.png\n")
 
 
@@ -225,11 +227,32 @@ def served(words):
     return 0, ({"page": hashlib.sha256(body).hexdigest()}, (server.url.split(":")[1], 8080 <= server.port < 9000, fields)), errors
 
 
+def without_record(data):
+    """A PNG or an EXR without the words on how it was made: an option that changes no pixel has no effect."""
+    if data.startswith(b"\x89PNG"):
+        bare, at = data[:8], 8
+        while at < len(data):
+            end = at + 12 + int.from_bytes(data[at : at + 4], "big")
+            bare += b"" if data[at + 4 : at + 8] == b"iTXt" else data[at:end]
+            at = end
+        return bare
+    if not data.startswith(b"\x76\x2f\x31\x01"):
+        return data
+    bare, at = b"", 8
+    while data[at]:
+        value = data.index(b"\0", data.index(b"\0", at) + 1) + 5  # behind name, type and length
+        end = value + int.from_bytes(data[value - 4 : value], "little")
+        bare += b"" if data[at:].startswith(b"vog\0") else data[at:end]
+        at = end
+    # Places of the blocks of pixels, 8 bytes each up to the first one, then the blocks.
+    return bare + data[int.from_bytes(data[at + 1 : at + 9], "little") :]
+
+
 def scrubbed(value):
-    """A report without times, memory and processes."""
+    """A report without times, memory, processes and the request."""
     if isinstance(value, dict):
         return {key: scrubbed(one) for key, one in value.items()
-                if not re.search(r"ms$|memory|peak|threads|per_second|hierarchy$|date|seconds|commit|repeats", key)}
+                if not re.search(r"ms$|memory|peak|threads|per_second|hierarchy$|date|seconds|commit|repeats|request", key)}
     return [scrubbed(one) for one in value] if isinstance(value, list) else value
 
 
@@ -257,7 +280,8 @@ def result_of(made, command, words, extra):
             data = path.read_bytes()
             if path.suffix == ".json":
                 data = json.dumps(scrubbed(json.loads(data))).encode()
-            files[str(path.relative_to(out))] = hashlib.sha256(data.replace(out.encode(), b"")).hexdigest()
+            data = without_record(data).replace(out.encode(), b"")
+            files[str(path.relative_to(out))] = hashlib.sha256(data).hexdigest()
     finally:
         shutil.rmtree(out)
     report = run.stdout.decode(errors="replace").replace(out, "")

@@ -44,7 +44,7 @@ VALUES = {
     "--unit-distance": "2", "--light": "1,2,3", "--slabs": "8", "--light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
     "--clip-plane": "1,0,0,3", "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--model-psnr": "40", "--step": "0.05", "--field-step": "0.01", "--as": "3dgs", "--description": "Some text", "--name": "a model", "--levels": "2",
     "--voxel-size": "1", "--like": "{made}/cloud.vdb",
-    "--turntable": "2", "--fps": "12", "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
+    "--request": "{made}/x.png", "--turntable": "2", "--fps": "12", "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
 }
 kOptions, kRefused = 8, 16  # options of one run
 # Command: its arguments with an input, for each kind of input.

@@ -6,7 +6,7 @@ set -euo pipefail
 vog=$1 folder=$2
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-mkdir -p "$folder"/{scan,points_text,ply,vogz,site,splats,image,camera,transfer_function,results}
+mkdir -p "$folder"/{scan,points_text,ply,vogz,site,splats,image,camera,transfer_function,results,record}
 
 "$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
 # The first byte of a text stands for its extension (points_text_fuzz.cpp).
@@ -59,3 +59,8 @@ head='{"size": [2, 2, 2], "type": "uint16", "channels": 1, "skip": 1}'
 cat >"$folder/results/index.json" <<'JSON'
 {"vog_models": ["model.0.ply", "model.1.ply"]}
 JSON
+for show in T "volume --light head --clip-plane 1,0,0,0" "maximum --slabs 3 --title a"; do
+    "$vog" render "$made/cloud.vdb" --show $show --size 8 -o "$made/record.png" >/dev/null
+    "$vog" render --request "$made/record.png" -o "$folder/record/${show%% *}.exr" >/dev/null
+    cp "$made/record.png" "$folder/record/${show%% *}.png"
+done

@@ -8,6 +8,7 @@
 #include "vog/compare.h"
 #include "vog/error.h"
 #include "vog/gaussians.h"
+#include "vog/picture_record.h"
 #include "vog/ply.h"
 
 namespace vog::test {
@@ -416,26 +417,21 @@ TEST_F(view_command, clip_planes_are_the_command_lines) {
               "expected nx,ny,nz,d");
 }
 
-TEST_F(view_command, copied_flags_are_options_of_render) {
+TEST_F(view_command, pictures_keep_their_request) {
     make_cloud();
-    viewer::Look look;
-    look.shading.blend = true;
-    write_value_transfer(dir_ / "LOOK.json",
-                         over_range(named_transfer_function("hot"), 0.1, 0.9, 5));
-    for (const Show show :
-         {Show::depth, Show::column, Show::mean, Show::deviation, Show::volume, Show::maximum}) {
-        viewer::Quantity quantity;
-        quantity.show = show;
-        quantity.field.field = "density";
-        quantity.look.light = true;
-        quantity.look.towards_light = {-1, 2, 0};
-        quantity.look.clip.box = Box{{-9, -9, -9}, {9, 9, 9}};
-        quantity.look.clip.planes.push_back({{-1, 0, 0}, -4});
-        const bool volume = show == Show::volume;
-        must("render cloud.ply -o copied.png --size 32 " +
-             viewer::quantity_flags(quantity, {ColorScale::Kind::linear, -0.5, 2}) + " " +
-             viewer::look_flags(look, volume ? "LOOK.json" : look.map, show == Show::depth));
+    for (const char* show :
+         {"T", "column", "mean --field density", "volume --light head", "maximum"}) {
+        play("cloud.ply",
+             "size 120 100\npanels off\noverlay off\ncolorbar off\nrenderer splat\nwait\npicture "
+             "shown.png\n",
+             std::string("--clip-plane=1,0.5,0,2 --view +x --show ") + show);
+        must("render --request shown.png -o again.png");
+        expect_same_picture("again.png", "shown.png");
     }
+    // As the shell has it from the clipboard.
+    const std::string record = record_json(read_record(dir_ / "shown.png"));
+    must("render --request '" + record + "' -o pasted.png");
+    EXPECT_EQ(read_text(dir_ / "pasted.png"), read_text(dir_ / "again.png"));
 }
 
 TEST_F(view_command, mouse_and_keys_reach_quantities) {

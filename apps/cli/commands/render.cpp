@@ -15,6 +15,7 @@
 #include "films/views.h"
 #include "options/option_effects.h"
 #include "pictures/render_run.h"
+#include "pictures/request_file.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
@@ -117,7 +118,8 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     const std::vector<Frame> frames = sequence_frames(inputs, arguments.output, ".png");
     const std::vector<Frame> depths = sequence_frames(inputs, arguments.depth_output, ".exr");
     const std::vector<Frame> values = sequence_frames(inputs, quantity.values_output, ".npy");
-    const bool fixes_range = quantity.shown() != Show::depth && quantity.range.empty();
+    const bool fixes_range =
+        quantity.shown() != Show::depth && !stated_request(arguments).transfer.range;
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;
@@ -285,7 +287,8 @@ std::vector<std::string> written_files(const RenderArguments& arguments) {
 }
 std::vector<std::string> read_files(const RenderArguments& arguments) {
     std::vector<std::string> files = arguments.drawing.inputs;
-    files.insert(files.end(), {arguments.view.camera_file, arguments.color.tf});
+    files.insert(files.end(),
+                 {arguments.view.camera_file, arguments.color.tf, arguments.request_file});
     return files;
 }
 
@@ -325,8 +328,10 @@ void require_effects_of(const RenderArguments& arguments, const CLI::App& comman
 }
 
 /// Runs the command and prints its report, on the root.
-void render_files(const RenderArguments& given, const CLI::App& command, const RenderRanks& ranks) {
+void render_files(RenderArguments& given, CLI::App& command, const RenderRanks& ranks) {
+    take_request(given, command);
     RenderArguments arguments = given;
+    arguments.reading = reading_options(command);
     arguments.drawing.inputs = expanded(given.drawing.inputs);
     name_models_of_site(arguments, ranks);
     if (makes_nothing(arguments)) {

@@ -86,18 +86,15 @@ Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Subject& s
 /// Axis of the turn: --up, or upwards in the picture of --camera.
 Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const Camera& camera,
                 const Subject& subject) {
-    return normalized(command.count("--camera") ? camera.up : up_of(arguments.view, subject));
+    return normalized(command.count("--camera") || (arguments.request && arguments.request->camera)
+                          ? camera.up
+                          : up_of(arguments.view, subject));
 }
 
-/// What the pictures frame: with --axes the box, with room for the coordinates around it.
+/// What fitted pictures frame.
 Subject shown_subject(const RenderArguments& arguments, const Subject& subject) {
-    Subject shown = framed(arguments.view, subject);
-    const Box box = outline_of(subject);
-    if (!arguments.quantity.axes || box.empty()) return shown;
-    constexpr double kRoom = 1.2;
-    const Vec3d half = (0.5 * kRoom) * (box.upper - box.lower);
-    shown.content.hull = Subject(Box{box.center() - half, box.center() + half}).content.hull;
-    return shown;
+    const Subject shown = framed(arguments.view, subject);
+    return arguments.quantity.axes ? with_axes(shown) : shown;
 }
 
 /// Creates the folder of an output that is one.
@@ -136,13 +133,16 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
     const Size size = parse_size(arguments.size);
     const double aspect = double(size.width) / size.height;
     const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
-    Camera first = camera_from(arguments.view, command, shown, aspect);
+    const bool stated = arguments.request && arguments.request->camera;
+    Camera first =
+        stated ? *arguments.request->camera : camera_from(arguments.view, command, shown, aspect);
     std::vector<Camera> cameras{first};
     std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},
         values{arguments.quantity.values_output};
     if (const int count = arguments.turntable) {
         const Vec3d up = turn_axis(arguments, command, first, shown);
-        if (is_fitted(command, first)) first = fitted_to_turn(first, up, count, shown, aspect);
+        if (!stated && is_fitted(command, first))
+            first = fitted_to_turn(first, up, count, shown, aspect);
         cameras = turn_of(first, up, count);
         for (const std::string& output :
              {arguments.output, arguments.depth_output, arguments.quantity.values_output})
@@ -173,11 +173,12 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
     return pictures;
 }
 
-void save_picture(const RenderArguments& arguments, const Image& picture) {
+void save_picture(const RenderArguments& arguments, const Image& picture,
+                  const std::string& record) {
     if (arguments.take_picture)
         arguments.take_picture(picture);
     else
-        write_image(arguments.output, picture);
+        write_image(arguments.output, picture, record);
 }
 
 }  // namespace vog::cli

@@ -31,6 +31,8 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
                                           const Subject& subject, const DrawView& draw);
 
 /// Writes a picture to the output, or hands it over.
-void save_picture(const RenderArguments& arguments, const Image& picture);
+/// record  how it was made, for its file
+void save_picture(const RenderArguments& arguments, const Image& picture,
+                  const std::string& record);
 
 }  // namespace vog::cli

@@ -34,8 +34,8 @@ void add_shown_options(CLI::App& command, QuantityArguments& arguments) {
     command.add_option(
         "--range", arguments.range,
         "Values LO,HI at the two ends of --tf; default: of the first picture, column "
-        "densities from 0 to the largest, logarithmic the four decades below the "
-        "largest or fewer; fields from the 1st to the 99th percentile; volume: those of "
+        "densities from 0 to the largest, logarithmic from the 5th percentile, at most four "
+        "decades; fields from the 1st to the 99th percentile; volume: those of "
         "the data, weighted by mass");
     command.add_flag("--log", arguments.log, "Logarithmic colours, as --scale log");
 }

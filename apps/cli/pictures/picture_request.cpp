@@ -14,7 +14,6 @@ PictureRequest picture_request(const QuantityArguments& quantity, const ColorArg
     request.least_column = quantity.least_column;
     request.unit = quantity.units;
     request.extinction = fixed_extinction(color);
-    if (request.extinction) request.options.trace.extinction = *request.extinction;
     request.shading = shading_of(color);
     request.look = look_of(value);
     request.slabs = value.slabs;
@@ -25,10 +24,7 @@ PictureRequest picture_request(const QuantityArguments& quantity, const ColorArg
     transfer.bands = bands_of(value);
     transfer.threshold = value.threshold;
     transfer.unit_distance = value.unit_distance;
-    if (color.tf.empty()) return request;
-    if (request.show != Show::volume)
-        transfer.map = load_transfer_function(color.tf);
-    else if (!transfer.window && transfer.bands.empty())
+    if (!color.tf.empty() && !transfer.window && transfer.bands.empty())
         transfer.points = transfer_points(color.tf);
     return request;
 }

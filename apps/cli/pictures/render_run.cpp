@@ -9,9 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "films/views.h"
+#include "help/version.h"
+#include "pictures/request_file.h"
 #include "shared/outputs.h"
 #include "shared/validators.h"
 #include "vog/error.h"
+#include "vog/picture_record.h"
 
 namespace vog::cli {
 
@@ -32,7 +35,8 @@ void check_arguments(const RenderArguments& arguments, bool writes) {
         check_output(arguments.output, arguments.drawing.inputs, {".png", ".exr"});
     if (is_file(arguments.depth_output))
         check_output(arguments.depth_output, arguments.drawing.inputs, {".exr"});
-    if (arguments.drawing.stop_transmittance > 0 && !fixed_extinction(arguments.color))
+    const PictureRequest request = stated_request(arguments);
+    if (request.options.trace.stop_transmittance > 0 && !request.extinction)
         throw CLI::ValidationError(
             "--stop-transmittance: transmittance depends on the extinction, and auto is known only "
             "after the render; expected --extinction with a number");
@@ -45,33 +49,25 @@ double share_above(std::span<const float> values, double limit) {
     return static_cast<double>(above) / static_cast<double>(values.size());
 }
 
-/// Numbers of a picture, for figures: what it shows, of a volume its opacity, and whether a pixel shows anything.
-struct Shown {
-    std::vector<float> opacity;
-    std::span<const float> values;
-    std::size_t covered = 0;
-};
-Shown shown_by(const Picture& picture) {
-    Shown shown;
-    const Sums& sums = picture.sums;
+/// Number of pixels that show anything.
+std::size_t covered_by(const Picture& picture) {
     const Show show = picture.made.request.show;
-    for (const Rgba& pixel : sums.light) shown.opacity.push_back(pixel.a);
-    shown.values = show == Show::volume ? std::span<const float>(shown.opacity) : picture.values();
-    const std::span<const float> covered = is_field_map(show) ? sums.column : shown.values;
-    shown.covered = static_cast<std::size_t>(std::ranges::count_if(covered, [&](float value) {
+    const std::span<const float> values =
+        is_field_map(show) ? picture.sums.column : picture.values();
+    return static_cast<std::size_t>(std::ranges::count_if(values, [&](float value) {
         return show == Show::maximum ? !std::isnan(value) : value > 0;
     }));
-    return shown;
 }
 
 /// Figures of the numbers of a picture.
 void set_figures(const Picture& picture, RenderedPicture& figures) {
     const Show show = picture.made.request.show;
-    const Shown shown = shown_by(picture);
-    const auto pixels = static_cast<double>(shown.values.size());
+    const std::span<const float> values = picture.values();
+    const auto pixels = static_cast<double>(values.size());
+    const auto covered = static_cast<double>(covered_by(picture));
     double sum = 0, most = -HUGE_VAL;
     std::size_t count = 0;
-    for (const float value : shown.values) {
+    for (const float value : values) {
         if (std::isnan(value)) continue;
         ++count;
         sum += double{value};
@@ -79,17 +75,17 @@ void set_figures(const Picture& picture, RenderedPicture& figures) {
     }
     figures.mean_t = count ? sum / static_cast<double>(count) : 0;
     figures.max_t = count ? most : 0;
-    figures.covered = static_cast<double>(shown.covered) / pixels;
+    figures.covered = covered / pixels;
     figures.extinction = picture.extinction;
     figures.scales = scales_of(picture);
     if (show == Show::depth) return;
     figures.scale = picture.scale;
     if (show != Show::volume) {
-        figures.above_range = share_above(shown.values, picture.scale.high);
+        figures.above_range = share_above(values, picture.scale.high);
         return;
     }
     figures.unit_distance = picture.made.chosen.transfer.unit_distance;
-    figures.mean_opacity = shown.covered ? sum / static_cast<double>(shown.covered) : 0;
+    figures.mean_opacity = covered > 0 ? sum / covered : 0;
 }
 
 /// Figures of a picture, and notes on it.
@@ -147,22 +143,25 @@ std::vector<double> timed(const RenderArguments& arguments, const std::function<
     return render_ms;
 }
 
+/// How a picture was made, as its files keep it.
+std::string record_of(const RenderArguments& arguments, const Picture& picture) {
+    return record_json(
+        {picture.made.request, arguments.drawing.inputs, arguments.reading, version_number()});
+}
+
 /// Writes the files of one picture.
-void save(const RenderArguments& arguments, const Picture& picture, Stages& stages) {
+void save(const RenderArguments& arguments, const Picture& picture, const std::string& record,
+          Stages& stages) {
     if (!arguments.output.empty())
-        stages.run("save", [&] { save_picture(arguments, picture.image); });
-    if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth());
+        stages.run("save", [&] { save_picture(arguments, picture.image, record); });
+    if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth(), record);
     if (!arguments.quantity.values_output.empty())
-        write_numbers(arguments.quantity.values_output, picture);
+        write_numbers(arguments.quantity.values_output, picture, record);
     if (!arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, picture.made.camera());
 }
 
 }  // namespace
-
-Box outline_of(const Subject& subject) {
-    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
-}
 
 double RenderedPicture::median_ms() const {
     const std::size_t middle = render_ms.size() / 2;
@@ -171,20 +170,13 @@ double RenderedPicture::median_ms() const {
 }
 
 nlohmann::ordered_json to_json(const RenderedPicture& picture) {
-    const Camera& c = picture.camera;
-    const auto array = [](Vec3d v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-    nlohmann::ordered_json camera = {
-        {"eye", array(c.eye)}, {"look_at", array(c.look_at)}, {"up", array(c.up)}};
-    if (c.orthographic())
-        camera["orthographic_width"] = c.orthographic_width;
-    else
-        camera["fov_degrees"] = c.fov_degrees;
+    const auto record = nlohmann::ordered_json::parse(picture.record);
     nlohmann::ordered_json json = {{"output", picture.output},
                                    {"depth_output", picture.depth_output},
                                    {"renderer", picture.renderer},
                                    {"width", picture.width},
                                    {"height", picture.height},
-                                   {"camera", camera},
+                                   {"camera", record["picture"]["camera"]},
                                    {"gaussians", picture.gaussians},
                                    {"active_voxels", picture.active_voxels},
                                    {"threads", picture.threads},
@@ -225,6 +217,7 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
     for (const auto& [name, ms] : picture.stage_ms) json["ms"][name] = ms;
     json["peak_memory"] = picture.peak_memory;
     if (!picture.notes.empty()) json["notes"] = picture.notes;
+    json["request"] = record;
     return json;
 }
 
@@ -295,6 +288,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
                     "Size of the picture in pixels, WxH or one number for a square")
         ->capture_default_str();
     add_drawing_options(command, arguments.drawing);
+    add_request_option(command, arguments);
     add_view_options(command, arguments.view);
     add_color_options(command, arguments.color);
     add_quantity_options(command, arguments.quantity);
@@ -319,8 +313,11 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     for (const std::string& input : arguments.drawing.inputs)
         subject.include(subject_of(input, arguments.drawing.volume, arguments.drawing.points));
     const Size size = parse_size(arguments.size);
-    const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
-                                      static_cast<double>(size.width) / size.height);
+    const Camera camera =
+        arguments.request && arguments.request->camera
+            ? *arguments.request->camera
+            : camera_from(arguments.view, command, arguments.subject.value_or(subject),
+                          static_cast<double>(size.width) / size.height);
     // Nodes have means of values, below the largest ones.
     const double pixel_error = arguments.quantity.shown() == Show::maximum ? 0 : 1;
     arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
@@ -334,12 +331,7 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const
                                              const RenderRanks& ranks) {
     check_arguments(given, ranks.is_root);
     const RenderArguments arguments = of_view(given, command, ranks);
-    const Size size = parse_size(arguments.size);
-    PictureRequest request = picture_request(arguments.quantity, arguments.color, arguments.value);
-    request.width = size.width, request.height = size.height;
-    const double extinction = request.options.trace.extinction;
-    request.options = render_options(arguments.drawing);
-    request.options.trace.extinction = extinction;
+    PictureRequest request = stated_request(arguments);
     request.renderer =
         renderer_of(arguments.drawing,
                     common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid), command);
@@ -369,10 +361,12 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const
         if (!ranks.is_root) return std::nullopt;
         Picture finished =
             stages.run("shade", [&] { return finish(std::move(sums), picture, inputs.scene); });
-        save(one, finished, stages);
+        const std::string record = record_of(one, finished);
+        save(one, finished, record, stages);
         RenderedPicture figures =
             figures_of(one, inputs, finished, ranks.divided() ? DrawReport{} : renderer.report(),
                        std::move(render_ms), stages);
+        figures.record = record;
         sums = std::move(finished.sums);
         return figures;
     };
@@ -385,7 +379,7 @@ std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI:
                                     const RenderRanks& ranks) try {
     return render_pictures(arguments, command, ranks);
 } catch (const RequestError& error) {
-    std::string option = error.member() == "unit" ? "units" : error.member();
+    std::string option = error.member();
     std::ranges::replace(option, '_', '-');
     throw CLI::ValidationError("--" + option + error.text());
 }

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -28,7 +29,10 @@ struct RenderArguments {
     QuantityArguments quantity;
     ValueArguments value;
     MemoryArguments memory;
-    std::string output, depth_output, size = "512x512";
+    std::string output, depth_output, size = "512x512", request_file;
+    std::optional<PictureRequest> request{};  ///< of --request, with what options state
+    /// Options that the inputs are read with, for records of pictures.
+    std::map<std::string, std::vector<std::string>> reading{};
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
     int turntable = 0;   ///< pictures of a full turn; 0: one view
@@ -68,13 +72,12 @@ struct RenderedPicture {
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
     std::uint64_t peak_memory = 0;                         ///< bytes
     std::vector<std::string> notes;                        ///< printed about the inputs
+    std::string record;                                    ///< how it was made, JSON
 
     double median_ms() const;
     /// Whether the shown quantity is T, which an extinction multiplies.
     bool has_extinction() const { return !scale; }
 };
-/// Box that --axes outlines, world units: of the active voxels, where they are known.
-Box outline_of(const Subject& subject);
 /// The report of --json.
 nlohmann::ordered_json to_json(const RenderedPicture& picture);
 /// The report in words, on standard output.

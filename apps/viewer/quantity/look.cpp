@@ -1,8 +1,6 @@
 // look.cpp: map, range, gamma, inversion and opacity points to one transfer function.
 #include "quantity/look.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -56,24 +54,6 @@ TransferFunction map_function(const Look& look) {
     whole.low = 0, whole.high = 1;
     whole.opacity = look.base.opacity;
     return transfer_function(whole);
-}
-
-bool is_plain(const Look& look) {
-    const auto same = [](const OpacityPoint& a, const OpacityPoint& b) {
-        return a.v == b.v && a.opacity == b.opacity;
-    };
-    return std::ranges::equal(look.opacity, look.base.opacity, same) && look.low == 0 &&
-           look.high == 1 && look.gamma == 1 && !look.invert;
-}
-
-std::string look_flags(const Look& look, const std::string& tf, bool of_depth) {
-    const Rgba& c = look.shading.background;
-    std::string flags = of_depth ? fmt::format("--extinction {:.9g} ", look.extinction) : "";
-    flags += "--tf " + tf;
-    flags += c.a == 0 ? std::string(" --background transparent")
-                      : fmt::format(" --background {:.6g},{:.6g},{:.6g}", c.r, c.g, c.b);
-    if (of_depth && look.shading.blend) flags += " --blend";
-    return flags;
 }
 
 }  // namespace vog::viewer

@@ -33,11 +33,4 @@ TransferFunction transfer_function(const Look& look);
 /// that of the map's file.
 TransferFunction map_function(const Look& look);
 
-/// The look as options of vog render: `--extinction ... --tf ... --background ... --blend`.
-/// tf        value of --tf
-/// of_depth  whether it is of T, which alone has an extinction and blends
-std::string look_flags(const Look& look, const std::string& tf, bool of_depth);
-/// Whether the map's name describes all colours: no range, gamma, inversion or own opacity.
-bool is_plain(const Look& look);
-
 }  // namespace vog::viewer

@@ -137,32 +137,4 @@ std::string opaque_text(const Quantity& quantity, const Fields& fields,
                        field_label(quantity.field), found->value, unit, found->distance);
 }
 
-std::string quantity_flags(const Quantity& quantity, const ColorScale& scale) {
-    std::string flags = fmt::format("--show {}", word_of(quantity.show));
-    if (of_field(quantity.show)) flags += " --field " + text_of(quantity.field);
-    if (has_scale(quantity.show)) {
-        flags += fmt::format(" --range={:.9g},{:.9g}", scale.low, scale.high);
-        if (scale.kind == ColorScale::Kind::log) flags += " --log";
-    }
-    if (const std::optional<Box>& box = quantity.look.clip.box)
-        flags += fmt::format(" --clip={:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", box->lower.x,
-                             box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
-    for (const ClipPlane& plane : quantity.look.clip.planes)
-        flags += fmt::format(" --clip-plane={:.9g},{:.9g},{:.9g},{:.9g}", plane.normal.x,
-                             plane.normal.y, plane.normal.z, plane.offset);
-    if (quantity.show == Show::volume && quantity.look.light) {
-        const Vec3d towards = quantity.look.towards_light;
-        flags += length(towards) > 0
-                     ? fmt::format(" --light={:.6g},{:.6g},{:.6g}", towards.x, towards.y, towards.z)
-                     : " --light head";
-        const VolumeLook& look = quantity.look;
-        flags += fmt::format(" --light-weights {:.6g},{:.6g},{:.6g},{:.6g}", look.ambient,
-                             look.diffuse, look.specular, look.power);
-    }
-    if (is_by_value(quantity.show))
-        flags += fmt::format(
-            " --slabs {}", quantity.show == Show::volume ? quantity.slabs : quantity.maximum_slabs);
-    return flags;
-}
-
 }  // namespace vog::viewer

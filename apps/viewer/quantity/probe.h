@@ -33,7 +33,4 @@ std::string probe_text(const Quantity& quantity, const Fields& fields, std::span
 /// "density 0.42 at distance 12.3", or that the ray is clear.
 std::string opaque_text(const Quantity& quantity, const Fields& fields,
                         const std::optional<OpaqueValue>& found);
-/// The quantity as options of vog render: `--show mean --field temperature --range 300,1500 --log --clip ...`.
-std::string quantity_flags(const Quantity& quantity, const ColorScale& scale);
-
 }  // namespace vog::viewer

@@ -154,8 +154,10 @@ class Session {
     /// Index of a level by "finest", "coarsest", its number from 1, or the start of its name.
     /// throws vog::Error, with the levels there are
     int level_index(const std::string& name) const;
-    /// Copies the view, the quantity and the look to the clipboard as options of vog render.
-    void copy_flags();
+    /// Copies the view, the quantity and the look to the clipboard as --request of vog render.
+    void copy_request();
+    /// What is shown as JSON, a record of vog/picture_record.h.
+    std::string record() const;
 
     /// The shaded picture, with split or difference, at its rendered size. throws vog::Error before
     /// the first picture

@@ -1,4 +1,4 @@
-// session_actions.cpp: named views, options for the clipboard, and files written by the session.
+// session_actions.cpp: named views, requests for the clipboard, and files written by the session.
 #include <fmt/core.h>
 #include <imgui.h>
 
@@ -6,8 +6,10 @@
 #include <numbers>
 
 #include "quantity/probe.h"
+#include "quantity/shown_request.h"
 #include "session/session.h"
 #include "vog/error.h"
+#include "vog/picture_record.h"
 
 namespace vog::viewer {
 
@@ -63,16 +65,19 @@ int Session::level_index(const std::string& name) const {
                             names, count));
 }
 
-void Session::copy_flags() {
-    // Maps have no range of visibility: the file of their colours differs from the map by gamma and inversion alone.
-    Look shown = look;
-    if (has_scale(quantity.show)) shown.low = 0, shown.high = 1, shown.opacity = look.base.opacity;
-    const bool plain = quantity.show != Show::volume && is_plain(shown);
-    const std::string flags =
-        fmt::format("{} {} {}", camera_flags(camera), quantity_flags(quantity, scale),
-                    look_flags(look, plain ? look.map : "LOOK.json", quantity.show == Show::depth));
-    ImGui::SetClipboardText(flags.c_str());
-    show_message(plain ? "copied: " + flags : "copied; save the colours as LOOK.json: " + flags);
+std::string Session::record() const {
+    const PixelSize size = left_.size();
+    return record_json(
+        {request_of(quantity, look, camera, scale, values.now().get(), size.width, size.height),
+         opened_files});
+}
+
+void Session::copy_request() {
+    std::string text = record();
+    for (std::size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4)
+        text.replace(at, 1, "'\\''");  // of shells
+    ImGui::SetClipboardText(("--request '" + text + "'").c_str());
+    show_message("copied for vog render: the request of this picture");
 }
 
 Image Session::picture_image() {
@@ -85,7 +90,7 @@ Image Session::picture_image() {
 }
 
 void Session::save_picture(const fs::path& file) {
-    write_png(file, picture_image());
+    write_png(file, picture_image(), record());
     show_message("wrote " + file.string());
 }
 
@@ -189,7 +194,7 @@ void Session::advance_recording() {
             if (r.film)
                 r.film->add(picture_image());
             else
-                write_png(r.output / fmt::format("{:04}.png", r.next), picture_image());
+                write_png(r.output / fmt::format("{:04}.png", r.next), picture_image(), record());
             if (r.next == r.frames && r.film) r.film->finish();
         } catch (const Error&) {
             recording_.reset();

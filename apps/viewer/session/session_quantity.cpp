@@ -88,7 +88,7 @@ void Session::begin_values() {
         transfer = choose_transfer(model, name, std::exchange(values_first_, false));
     } else {
         TransferRequest request;
-        request.map = map_function(look);
+        request.points = transfer_points(map_function(look));
         transfer = vog::choose_transfer(request, value_data(model, field)).transfer;
     }
     values.begin(std::move(transfer));

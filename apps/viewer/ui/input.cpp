@@ -272,7 +272,7 @@ void apply_setting_keys(Session& session, Requests& requests) {
     if (pressed(GLFW_KEY_LEFT_BRACKET)) change_level(session, -1);
     if (pressed(GLFW_KEY_RIGHT_BRACKET)) change_level(session, 1);
     if (pressed(GLFW_KEY_N)) next_renderer(session);
-    if (pressed(GLFW_KEY_C)) session.copy_flags();
+    if (pressed(GLFW_KEY_C)) session.copy_request();
     requests.full_screen |= pressed(GLFW_KEY_F11);
     requests.screenshot |= pressed(GLFW_KEY_F2);
     requests.picture |= pressed(GLFW_KEY_F3);

@@ -120,7 +120,7 @@ void draw_camera_section(Session& session, Gui& gui, float ui) {
     ImGui::SameLine(0, 4 * ui);
     button("reset", [&] { session.reset_view(); });
     ImGui::SameLine(0, 4 * ui);
-    button("copy as flags", [&] { session.copy_flags(); });
+    button("copy as request", [&] { session.copy_request(); });
     bool orthographic = session.camera.orthographic();
     if (ImGui::Checkbox("orthographic", &orthographic)) session.set_orthographic(orthographic);
     mark(gui, "orthographic");

@@ -154,12 +154,4 @@ Camera with_projection(const Camera& camera, bool orthographic, double aspect) {
     return result;
 }
 
-std::string camera_flags(const Camera& camera) {
-    const auto text = [](Vec3d v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
-    return fmt::format(
-        "--eye={} --look-at={} --up={} {}", text(camera.eye), text(camera.look_at), text(camera.up),
-        camera.orthographic() ? fmt::format("--orthographic --width {}", camera.orthographic_width)
-                              : fmt::format("--fov {}", camera.fov_degrees));
-}
-
 }  // namespace vog::viewer

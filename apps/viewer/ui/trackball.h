@@ -43,7 +43,4 @@ Camera named_view(const Camera& camera, const std::string& name, const Subject& 
 /// The camera with parallel rays, or with a pinhole: look_at's plane keeps its size in the picture.
 Camera with_projection(const Camera& camera, bool orthographic, double aspect);
 
-/// The camera as options: `--eye ... --look-at ... --up ... --fov ...`, or `--orthographic --width ...`.
-std::string camera_flags(const Camera& camera);
-
 }  // namespace vog::viewer

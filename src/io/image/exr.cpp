@@ -10,6 +10,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStdIO.h>
+#include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
 #include <array>
@@ -33,6 +34,7 @@ using namespace image_files;
 namespace {
 
 constexpr const char* kExtinction = "extinction";  ///< header attribute of a depth image
+constexpr const char* kRecord = "vog";             ///< header attribute with a picture's record
 
 /// Text of an OpenEXR exception, without the file name before `". `.
 std::string reason(const std::exception& error) {
@@ -215,7 +217,8 @@ class ExrOutput : public Imf::OStream {
 
 /// Writes interleaved float32 channels with lossless compression.
 void write_channels(const std::filesystem::path& file, Imf::Header header, const float* values,
-                    const std::vector<const char*>& names) {
+                    const std::vector<const char*>& names, const std::string& record) {
+    if (!record.empty()) header.insert(kRecord, Imf::StringAttribute(record));
     const auto width = header.dataWindow().max.x + 1, height = header.dataWindow().max.y + 1;
     const std::size_t pixel_bytes = names.size() * sizeof(float);
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -315,25 +318,34 @@ std::vector<std::array<float, 3>> image_files::read_channels(
 
 void image_files::write_exr(const std::filesystem::path& file, int width, int height,
                             const std::vector<const char*>& names,
-                            const std::vector<float>& interleaved) {
-    write_channels(file, Imf::Header(width, height), interleaved.data(), names);
+                            const std::vector<float>& interleaved, const std::string& record) {
+    write_channels(file, Imf::Header(width, height), interleaved.data(), names, record);
 }
 
-void write_exr(const std::filesystem::path& file, const Image& image) {
+std::string image_files::exr_record(const std::filesystem::path& file) {
+    return reading(file, [&] {
+        const ExrFile exr(file);
+        const auto* text = exr.header().findTypedAttribute<Imf::StringAttribute>(kRecord);
+        return text ? text->value() : std::string();
+    });
+}
+
+void write_exr(const std::filesystem::path& file, const Image& image, const std::string& record) {
     require_valid(file.string(), image);
     static_assert(sizeof(Rgba) == 4 * sizeof(float));
     std::vector<Rgba> multiplied = image.pixel;
     for (Rgba& pixel : multiplied)
         pixel = {pixel.r * pixel.a, pixel.g * pixel.a, pixel.b * pixel.a, pixel.a};
     write_channels(file, Imf::Header(image.width, image.height), &multiplied.front().r,
-                   {"R", "G", "B", "A"});
+                   {"R", "G", "B", "A"}, record);
 }
 
-void write_exr(const std::filesystem::path& file, const DepthImage& image) {
+void write_exr(const std::filesystem::path& file, const DepthImage& image,
+               const std::string& record) {
     require_valid(file.string(), image);
     Imf::Header header(image.width, image.height);
     header.insert(kExtinction, Imf::DoubleAttribute(image.extinction));
-    write_channels(file, header, image.depth.data(), {"Y"});
+    write_channels(file, header, image.depth.data(), {"Y"}, record);
 }
 
 }  // namespace vog

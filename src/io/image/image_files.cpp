@@ -42,10 +42,10 @@ Image read_image(const std::filesystem::path& file) {
     throw Error(fmt::format("{}: neither a PNG nor an EXR image", file.string()));
 }
 
-void write_image(const std::filesystem::path& file, const Image& image) {
+void write_image(const std::filesystem::path& file, const Image& image, const std::string& record) {
     const std::string extension = file.extension().string();
-    if (extension == ".png") return write_png(file, image);
-    if (extension == ".exr") return write_exr(file, image);
+    if (extension == ".png") return write_png(file, image, record);
+    if (extension == ".exr") return write_exr(file, image, record);
     throw Error(fmt::format("{}: extension '{}', expected .png or .exr", file.string(), extension));
 }
 

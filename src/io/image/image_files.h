@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "vog/image.h"
@@ -18,6 +19,11 @@ ImageFormat image_format(const std::filesystem::path& file);
 Image read_png(const std::filesystem::path& file);
 Image read_exr(const std::filesystem::path& file);
 
+/// Record of a picture (vog/picture_record.h) in its file; empty: none.
+/// throws  vog::Error for a file that cannot be read
+std::string png_record(const std::filesystem::path& file);
+std::string exr_record(const std::filesystem::path& file);
+
 /// Whether an EXR has these channels and no others.
 bool has_channels(const std::filesystem::path& file, const std::array<const char*, 3>& names);
 /// Values of three float32 channels, pixel by pixel.
@@ -29,6 +35,7 @@ std::vector<std::array<float, 3>> read_channels(const std::filesystem::path& fil
 /// Writes float32 channels as they are, pixel by pixel, lossless.
 /// names  of the channels
 void write_exr(const std::filesystem::path& file, int width, int height,
-               const std::vector<const char*>& names, const std::vector<float>& interleaved);
+               const std::vector<const char*>& names, const std::vector<float>& interleaved,
+               const std::string& record = {});
 
 }  // namespace vog::image_files

@@ -104,8 +104,11 @@ bool read_pixels(PngReader& reader, png_bytepp rows) {
     return true;
 }
 
+/// Keyword of the chunk of text, international text without compression, that a record is in.
+constexpr char kRecordKey[] = "vog";
+
 bool write_all(PngWriter& writer, std::vector<std::uint8_t>* content, int width, int height,
-               int color_type, png_bytepp rows) {
+               int color_type, png_bytepp rows, png_text* record) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     writer.error.armed = true;
     png_set_write_fn(writer.png, content, write_bytes, flush_bytes);
@@ -115,6 +118,7 @@ bool write_all(PngWriter& writer, std::vector<std::uint8_t>* content, int width,
     // A shaded 1920x1080 picture: 95 ms and 389 KB; with libpng's defaults 236 ms and 378 KB.
     png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(writer.png, 4);
+    if (record->text) png_set_text(writer.png, writer.info, record, 1);
     png_write_info(writer.png, writer.info);
     png_write_image(writer.png, rows);
     png_write_end(writer.png, nullptr);
@@ -203,24 +207,48 @@ std::vector<std::uint8_t> image_bytes(const Image& image, bool with_alpha) {
     return bytes;
 }
 
-std::vector<std::uint8_t> png_bytes(const Image& image) {
+std::string image_files::png_record(const std::filesystem::path& file) {
+    const std::vector<std::uint8_t> content = read_whole_file(file);
+    constexpr std::size_t kMagic = 8,
+                          kFrame = 12;  // length, type and checksum around a chunk's bytes
+    const auto* bytes = reinterpret_cast<const char*>(content.data());
+    // Keyword, its end, no compression (two bytes), no language (two ends).
+    const std::string opening =
+        "iTXt" + std::string(kRecordKey, sizeof kRecordKey) + std::string(4, 0);
+    for (std::size_t at = kMagic; at + kFrame <= content.size();) {
+        std::size_t length = 0;
+        for (std::size_t n = 0; n < 4; ++n) length = length << 8 | content[at + n];
+        if (length > content.size() - at - kFrame) break;
+        const std::string_view chunk(bytes + at + 4, 4 + length);
+        if (chunk.starts_with(opening)) return std::string(chunk.substr(opening.size()));
+        at += kFrame + length;
+    }
+    return {};
+}
+
+std::vector<std::uint8_t> png_bytes(const Image& image, const std::string& record) {
     require_valid("picture", image);
     const bool with_alpha = !opaque(image);
     std::vector<std::uint8_t> bytes = image_bytes(image, with_alpha), content;
     std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(image.height));
+    std::string key = kRecordKey, text = record, none;
+    png_text chunk{};
+    chunk.compression = PNG_ITXT_COMPRESSION_NONE;
+    chunk.key = key.data(), chunk.lang = chunk.lang_key = none.data();
+    chunk.text = text.empty() ? nullptr : text.data();
     PngWriter writer;
     writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.error, on_error, on_error);
     if (writer.png) writer.info = png_create_info_struct(writer.png);
     if (!writer.info ||
         !write_all(writer, &content, image.width, image.height,
-                   with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, rows.data()))
+                   with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, rows.data(), &chunk))
         throw Error(fmt::format("picture: cannot be a PNG: {}", writer.error.text));
     return content;
 }
 
-void write_png(const std::filesystem::path& file, const Image& image) {
+void write_png(const std::filesystem::path& file, const Image& image, const std::string& record) {
     require_valid(file.string(), image);
-    const std::vector<std::uint8_t> content = png_bytes(image);
+    const std::vector<std::uint8_t> content = png_bytes(image, record);
     write_file(file, [&](std::ofstream& out) {
         out.write(reinterpret_cast<const char*>(content.data()),
                   static_cast<std::streamsize>(content.size()));

@@ -143,7 +143,7 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
     } else if (!request.bands.empty()) {
         chosen.transfer = band_transfer(request.bands, unit);
     } else {
-        const TransferPoints points = request.map ? transfer_points(*request.map) : request.points;
+        const TransferPoints& points = request.points;
         if (points.at_values && (request.range || request.log))
             throw RequestError(request.range ? "range" : "scale",
                                fmt::format(": {} states values of its own, expected one of them",

@@ -38,6 +38,18 @@ void multiply(std::vector<float>& plane, double factor) {
     for (float& value : plane) value = static_cast<float>(factor * double{value});
 }
 
+/// Completes the request of a picture by what its numbers gave: it then draws the same picture again.
+void complete(Picture& picture) {
+    PictureRequest& request = picture.made.request;
+    if (request.show == Show::depth) {
+        request.extinction = picture.extinction;
+    } else if (request.show != Show::volume) {
+        request.transfer.range.emplace(picture.scale.low, picture.scale.high);
+        request.fit =
+            picture.scale.kind == ColorScale::Kind::log ? ScaleFit::log : ScaleFit::linear;
+    }
+}
+
 /// The stated range with its kind; nothing: open.
 std::optional<ColorScale> stated_scale(const PictureRequest& request) {
     if (!request.transfer.range) return std::nullopt;
@@ -120,11 +132,10 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
     const ResolvedPicture& made = picture.made;
     const Marks& marks = made.request.marks;
     const Rgba background = made.request.shading.background;
-    const Box& voxels = scene.subject.content.voxels;
     if (marks.axes || marks.scale_bar)
         draw_frame(picture.image,
-                   {made.camera(), voxels.empty() ? scene.subject.box : voxels, scene.length_unit,
-                    marks.axes, marks.scale_bar},
+                   {made.camera(), outline_of(scene.subject), scene.length_unit, marks.axes,
+                    marks.scale_bar},
                    background);
     if (!marks.color_bar && marks.title.empty()) return;
     const Show show = made.request.show;
@@ -149,6 +160,8 @@ std::span<const float> Picture::values() const {
             return sums.deviation;
         case Show::maximum:
             return sums.maximum;
+        case Show::volume:
+            return opacity;
         default:
             return sums.column;
     }
@@ -164,7 +177,7 @@ DepthImage Picture::depth() const {
 Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
     const Show show = picture.request.show;
     require_finite(sums, show, scene);
-    Picture finished{{}, std::move(sums), {}, 1, picture};
+    Picture finished{{}, std::move(sums), {}, 1, picture, {}};
     Sums& own = finished.sums;
     if (show == Show::column) multiply(own.column, picture.factor);
     for (std::vector<float>* plane : {&own.mean, &own.deviation, &own.maximum})
@@ -174,6 +187,7 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
         VolumeImage light{own.width, own.height, std::move(own.light)};
         finished.image = over(light, picture.request.shading.background);
         own.light = std::move(light.pixel);
+        for (const Rgba& pixel : own.light) finished.opacity.push_back(pixel.a);
         finished.scale = picture.chosen.scale;
         if (picture.request.marks.color_bar) colors = bar_of(picture.chosen);
     } else if (is_depth(show)) {
@@ -182,23 +196,25 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
         color_map(finished);
     }
     if (picture.request.marks.any()) mark(finished, colors, scene);
+    complete(finished);
     return finished;
 }
 
-void write_numbers(const std::filesystem::path& file, const Picture& picture) {
+void write_numbers(const std::filesystem::path& file, const Picture& picture,
+                   const std::string& record) {
     const Sums& sums = picture.sums;
     const Show show = picture.made.request.show;
     if (show == Show::volume) throw Error("a volume picture has colours, no numbers");
     const bool exr = file.extension() == ".exr";
     if (is_depth(show)) {
-        write_values(file, picture.depth());
+        write_values(file, picture.depth(), record);
     } else if (exr && show == Show::maximum) {
         const NamedValues channels[] = {{"maximum", sums.maximum}};
-        write_channels(file, sums.width, sums.height, channels);
+        write_channels(file, sums.width, sums.height, channels, record);
     } else if (exr) {
         const NamedValues channels[] = {
             {"column", sums.column}, {"mean", sums.mean}, {"deviation", sums.deviation}};
-        write_channels(file, sums.width, sums.height, channels);
+        write_channels(file, sums.width, sums.height, channels, record);
     } else {
         const std::span<const float> values = picture.values();
         write_map(file, {sums.width, sums.height, {values.begin(), values.end()}});

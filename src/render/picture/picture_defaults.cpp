@@ -17,6 +17,19 @@ Camera default_view(const Subject& subject, int width, int height) {
     return orbit_view(subject, first_orbit(subject), aspect);
 }
 
+Box outline_of(const Subject& subject) {
+    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
+}
+
+Subject with_axes(Subject subject) {
+    const Box box = outline_of(subject);
+    if (box.empty()) return subject;
+    constexpr double kRoom = 1.2;
+    const Vec3d half = (0.5 * kRoom) * (box.upper - box.lower);
+    subject.content.hull = Subject(Box{box.center() - half, box.center() + half}).content.hull;
+    return subject;
+}
+
 double default_extinction(const Gaussians& model) {
     constexpr int kSize = 256;
     const Box box = view_box(model);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "shade/values/unit_range.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/picture.h"
@@ -66,7 +67,7 @@ std::string unit_of(const Fields& fields, const std::string& field) {
 double factor_between(const std::string& stated, const std::string& requested) {
     if (stated.empty() || requested.empty()) return 1;
     if (const std::optional<double> factor = unit_factor(stated, requested)) return *factor;
-    throw RequestError("unit",
+    throw RequestError("units",
                        fmt::format(" {}: the data are in {}, expected a unit that it converts to, "
                                    "or none",
                                    requested, stated));
@@ -78,8 +79,6 @@ void choose_light(ResolvedPicture& picture, const Scene& scene) {
     if (picture.request.fit != ScaleFit::automatic)
         transfer.log = picture.request.fit == ScaleFit::log;
     const bool stated = transfer.window || !transfer.bands.empty();
-    if (!transfer.map && transfer.points.points.color.empty() && !stated)
-        transfer.points = transfer_points(std::string(default_map(Show::volume)));
     try {
         picture.chosen = choose_transfer(transfer, value_data(scene, picture.field.field));
     } catch (const RequestError&) {
@@ -172,8 +171,14 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     (void)renderer_for(info_of(*request.renderer).name, input);
     require_options(*request.renderer, input, changed_options(request.options),
                     OptionSpelling::arguments);
+    if (request.options.trace.stop_transmittance > 0 && !request.extinction)
+        throw RequestError("stop_transmittance",
+                           ": transmittance depends on the extinction, and 'auto' is known only "
+                           "after; expected a number as extinction");
+    request.options.trace.extinction = request.extinction.value_or(1);
     if (!request.camera)
-        request.camera = default_view(scene.subject, request.width, request.height);
+        request.camera = default_view(request.marks.axes ? with_axes(scene.subject) : scene.subject,
+                                      request.width, request.height);
     const Show show = request.show;
     picture.name = show == Show::depth ? "T" : scene.column;
     std::string stated = show == Show::column ? scene.column_unit : "";
@@ -190,13 +195,26 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     picture.unit = request.unit.empty() ? stated : request.unit;
     picture.factor = factor_between(stated, request.unit);
     picture.request = std::move(request);
-    if (show == Show::volume) {
+    TransferRequest& transfer = picture.request.transfer;
+    if (transfer.points.points.color.empty() && !transfer.window && transfer.bands.empty())
+        transfer.points = transfer_points(named_transfer_function(default_map(show)));
+    if (show == Show::volume)
         choose_light(picture, scene);
-    } else {
-        TransferRequest& transfer = picture.request.transfer;
-        if (!transfer.map) transfer.map = named_transfer_function(default_map(show));
-        picture.colors = *transfer.map;
-    }
+    else
+        picture.colors = shading::over_unit_range(transfer.points);
+    return picture;
+}
+
+ResolvedPicture recolored(ResolvedPicture picture, PictureRequest request) {
+    const TransferPoints& points = request.transfer.points;
+    if (request.show != Show::volume)
+        picture.colors = shading::over_unit_range(points);
+    else if (points.points != picture.request.transfer.points.points ||
+             request.transfer.range != picture.request.transfer.range ||
+             request.fit != picture.request.fit)
+        throw Error("the light of a volume is drawn under its transfer function: draw it again");
+    picture.request = std::move(request);
+    picture.factor = 1;
     return picture;
 }
 

@@ -1,0 +1,20 @@
+// request_file.h: --request: pictures drawn again from the record that they keep (vog/picture_record.h).
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "pictures/render_run.h"
+
+namespace vog::cli {
+
+/// Adds --request, with which inputs may be absent.
+void add_request_option(CLI::App& command, RenderArguments& arguments);
+/// Request that the options state, without a camera; of --request the file's where no option states another.
+PictureRequest stated_request(const RenderArguments& arguments);
+/// Reads the file of --request: its inputs where the command line names none, and its request.
+/// throws  vog::Error for a file that holds none, or one whose options of reading are none
+void take_request(RenderArguments& arguments, CLI::App& command);
+/// Options of reading the inputs that the command line states.
+std::map<std::string, std::vector<std::string>> reading_options(const CLI::App& command);
+
+}  // namespace vog::cli

@@ -1,0 +1,17 @@
+// shown_request.h: what the window shows as the library's request, for copies and files of pictures.
+#pragma once
+
+#include "quantity/look.h"
+#include "quantity/quantity.h"
+#include "vog/picture.h"
+
+namespace vog::viewer {
+
+/// Request of a shown picture.
+/// scale     of column, mean, deviation and maximum
+/// transfer  of volume
+PictureRequest request_of(const Quantity& quantity, const Look& look, const Camera& camera,
+                          const ColorScale& scale, const ValueTransfer* transfer, int width,
+                          int height);
+
+}  // namespace vog::viewer

@@ -1,0 +1,102 @@
+// request_command_test.cpp: vog render --request: pictures drawn again from themselves.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/command.h"
+#include "vog/image.h"
+#include "vog/picture_record.h"
+
+namespace vog::test {
+
+class request_command : public CommandLine {
+  protected:
+    void SetUp() override {
+        must("sample cloud cloud.vdb --size 64");
+        must("convert cloud.vdb -o cloud.ply --block 4");
+        write("p.csv", "x,y,z,mass\n0,0,0,1\n1,0,0,2\n0,1,1,3\n");
+    }
+    std::string bytes(const std::string& file) const { return read_text(dir_ / file); }
+};
+
+TEST_F(request_command, draws_the_same_file_again) {
+    for (const char* options :
+         {"cloud.ply", "cloud.vdb --show column --log --color-bar --title 'a b'",
+          "cloud.vdb --show volume --light head --view +x --tf viridis",
+          "cloud.ply --show mean --field density --orthographic --clip-plane 1,0,0,0",
+          "cloud.ply --show maximum --slabs 9 --renderer splat --background white",
+          "cloud.vdb --show volume --band 0.1,0.5,red,0.5 --iso 0.6,blue",
+          "cloud.ply --renderer trace --anyhit collect --slab-hits 4 --extinction 3 "
+          "--stop-transmittance 0.1",
+          "cloud.vdb --interpolation linear --step 0.5 --samples 2",
+          "p.csv --value mass --radius 0.4 --show column"}) {
+        must(std::string("render ") + options + " --size 40x30 -o first.png");
+        must("render --request first.png -o again.png");
+        EXPECT_EQ(bytes("again.png"), bytes("first.png")) << options;
+        must(std::string("render ") + options + " --size 40x30 -o first.exr");
+        must("render --request first.exr -o again.exr");
+        EXPECT_EQ(bytes("again.exr"), bytes("first.exr")) << options;
+    }
+}
+
+TEST_F(request_command, options_beside_it_take_the_place_of_its_own) {
+    must("render cloud.vdb --show column --tf viridis --view +z --size 40 -o first.png");
+    must("render --request first.png --tf gray --size 30 -o other.png");
+    must("render cloud.vdb --show column --tf gray --view +z --size 30 -o same.png");
+    const PictureRecord record = read_record(dir_ / "other.png");
+    EXPECT_EQ(record.request.transfer.points.points.name, "gray");
+    EXPECT_EQ(record.request.width, 30);
+    // The range is that of the first picture.
+    EXPECT_EQ(record.request.transfer.range,
+              read_record(dir_ / "first.png").request.transfer.range);
+    must("render --request first.png --view -y -o view.png");
+    EXPECT_NE(read_record(dir_ / "view.png").request.camera->eye,
+              read_record(dir_ / "first.png").request.camera->eye);
+    must("render --request first.png --save-camera c.json -o kept.png");
+    EXPECT_EQ(read_record(dir_ / "kept.png").request.camera->eye,
+              read_record(dir_ / "first.png").request.camera->eye);
+    // Another quantity has other values.
+    must("render --request first.png --show T -o t.png");
+    EXPECT_FALSE(read_record(dir_ / "t.png").request.transfer.range);
+    // Other data in the same view and range.
+    must("render --request first.png cloud.ply -o model.png");
+    const PictureRecord model = read_record(dir_ / "model.png");
+    EXPECT_EQ(model.inputs, std::vector<std::string>{"cloud.ply"});
+    EXPECT_EQ(model.request.renderer, Renderer::splat);
+    EXPECT_EQ(model.request.transfer.range, record.request.transfer.range);
+}
+
+TEST_F(request_command, reports_the_request_and_reads_the_report) {
+    const auto report = nlohmann::json::parse(
+        must("render cloud.vdb --show column --size 40 --values-out v.npy --json").out);
+    write("r.json", report["request"].dump());
+    must("render --request r.json --values-out w.npy");
+    EXPECT_EQ(bytes("v.npy"), bytes("w.npy"));
+}
+
+TEST_F(request_command, refuses_in_one_line) {
+    must("render cloud.vdb --size 20 -o first.png");
+    const auto refused = [&](const std::string& arguments, const std::string& text) {
+        must_fail(1, arguments, text);
+    };
+    refused("render --request cloud.vdb -o x.png", "no record");
+    refused("render --request none.png -o x.png", "no such file");
+    refused("render --request first.png -o first.png", "first.png");
+    must_fail(2, "render -o x.png", "inputs is required");
+    const auto request = [&](const char* text) { write("r.json", text); };
+    request(R"({"picture": {"show": "column"}, "inputs": []})");
+    refused("render --request r.json -o x.png", "names no inputs");
+    request(R"({"picture": {}, "inputs": ["cloud.vdb"], "reading": {"--output": ["y.png"]}})");
+    refused("render --request r.json -o x.png", "no option of reading");
+    request(R"({"picture": {}, "inputs": ["gone.vdb"]})");
+    refused("render --request r.json -o x.png", "gone.vdb: no such file");
+    request(R"({"picture": {"renderer": "trace"}, "inputs": ["cloud.vdb"]})");
+    refused("render --request r.json -o x.png", "is a volume; convert it first");
+    request(R"({"picture": {"show": "mean", "field": "heat"}, "inputs": ["cloud.vdb"]})");
+    refused("render --request r.json -o x.png", "heat");
+    request(R"({"picture": {"light": "head"}, "inputs": ["cloud.vdb"]})");
+    refused("render --request r.json -o x.png", "no effect");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "x.png"));
+}
+
+}  // namespace vog::test
