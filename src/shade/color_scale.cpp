@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 #include "data/image_checks.h"
 #include "vog/error.h"
@@ -82,21 +82,18 @@ double percentile(std::vector<float>& values, double share) {
 }  // namespace
 
 ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
-    constexpr double kDecades = 1e4;
-    double largest = 0, smallest = std::numeric_limits<double>::infinity();
+    constexpr double kLow = 0.05, kDecades = 1e4;
+    std::vector<float> shown;
     for (const DepthImage& image : images) {
         require_valid("values", image);
-        for (const float value : image.depth) {
-            if (!(value > 0)) continue;
-            largest = std::max(largest, double{value});
-            smallest = std::min(smallest, double{value});
-        }
+        std::ranges::copy_if(image.depth, std::back_inserter(shown),
+                             [](float value) { return value > 0; });
     }
-    if (largest == 0) largest = 1;
+    const double largest = shown.empty() ? 1 : double{*std::ranges::max_element(shown)};
     if (fit != ScaleFit::log) return {Kind::linear, 0, largest};
     // One value alone gets the decade below it.
-    const double low = std::max(std::min(smallest, largest / 10), largest / kDecades);
-    return {Kind::log, low, largest};
+    const double faint = shown.empty() ? 0 : percentile(shown, kLow);
+    return {Kind::log, std::max(std::min(faint, largest / 10), largest / kDecades), largest};
 }
 
 ColorScale fitted_scale(std::span<const float> values, ScaleFit fit) {

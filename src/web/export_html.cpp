@@ -239,8 +239,8 @@ Json model_json(const HtmlModel& model, const HtmlOptions& options) {
     constexpr int kSize = 256;
     const Camera view = first_view(finest, options);
     const DepthImage depth = render_splat(finest, view, kSize, kSize);
-    const double most_column =
-        depth.depth.empty() ? 0 : double{*std::ranges::max_element(depth.depth)};
+    const ColorScale columns = automatic_scale({&depth, 1}, ScaleFit::log);
+    const bool empty = std::ranges::none_of(depth.depth, [](float t) { return t > 0; });
     const double extinction = options.extinction
                                   ? *options.extinction
                                   : shading::auto_extinction_of(depth, finest.source);
@@ -255,7 +255,8 @@ Json model_json(const HtmlModel& model, const HtmlOptions& options) {
               {"half", json_of(0.5 * (box.upper - box.lower))},
               {"radius", box.radius() > 0 ? box.radius() : 1}}},
             {"extinction", extinction},
-            {"mostColumn", most_column},
+            {"lowColumn", empty ? 0 : columns.low},
+            {"mostColumn", empty ? 0 : columns.high},
             {"fields", fields_json(finest, view)},
             {"levels", Json::array()}};
 }

@@ -55,12 +55,12 @@ const logDecades = 4;  // as `vog render --log`
 
 /**
  * The scale {low, high, log} of the first view; over all models where they are steps.
- * isLog  logarithmic where values are above 0: the largest four decades at most
+ * isLog  logarithmic where values are above 0: four decades at most
  */
 export function automaticScale(models, { show, field, part }, isLog = false) {
   let [low, high] = [Infinity, -Infinity];
   for (const model of models) {
-    const ends = show === 'column' ? [0, model.mostColumn]
+    const ends = show === 'column' ? [isLog ? model.lowColumn : 0, model.mostColumn]
       : ofField(show) && show !== 'volume' ? model.fields[field]?.ranges[part]?.[show] : null;
     if (ends) [low, high] = [Math.min(low, ends[0]), Math.max(high, ends[1])];
   }
