@@ -49,7 +49,7 @@ def main():
     model = vog.convert(points, value=arguments.value, budget=arguments.budget)
     print(points, model.summary)
     camera = vog.Camera.orbit(points, elevation=50)
-    vog.render(model, camera).shade("magma").save(arguments.output)
+    vog.render(model, camera, tf="magma").save(arguments.output)
 
 
 if __name__ == "__main__":

@@ -34,9 +34,9 @@ def main():
     model = vog.convert(volume)
     print(model.summary)
 
-    voxels, gaussians = vog.render(volume), vog.render(model)
+    voxels, gaussians = vog.render(volume), vog.render(model, tf="viridis")
     print(vog.compare(voxels, gaussians))
-    gaussians.shade("viridis").save(arguments.output)
+    gaussians.save(arguments.output)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ def main():
     volume = volume_of(grid)
     model = vog.convert(volume, budget=5000)
     print(volume, model.summary)
-    vog.render(model).shade("blue-white", blend=True).save(arguments.output)
+    vog.render(model, tf="blue-white", blend=True).save(arguments.output)
 
 
 if __name__ == "__main__":

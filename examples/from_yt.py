@@ -98,11 +98,11 @@ def draw_maps(model, camera, pixels, prefix):
     for name in ["column", *model.fields]:
         shows = ["column"] if name == "column" else ["mean", "deviation"]
         for show in shows:
-            maps = vog.render(model, camera, pixels, show=show, field="" if show == "column" else name)
             scale = "symmetric" if show == "mean" and name == "velocity" else "log"
             colors = "coolwarm" if scale == "symmetric" else "inferno"
+            look = dict(tf=colors, scale=scale, background="white", color_bar=True)
             file = f"{prefix}-{name}{'-deviation' if show == 'deviation' else ''}.png"
-            maps.plot(colors, scale=scale, background="white").save(file)
+            vog.render(model, camera, pixels, show=show, field="" if show == "column" else name, **look).save(file)
             print(file)
 
 
@@ -178,7 +178,7 @@ def main():
     fields = fields_of(ds, arguments.carry, arguments.velocity)
     model = vog.convert(levels, fields=fields or None)
     print(levels, model.summary)
-    vog.render(model).shade("jet").save(arguments.output)
+    vog.render(model, tf="jet").save(arguments.output)
     if arguments.maps:
         draw_maps(model, camera_of(ds, arguments.size)[0], arguments.size, arguments.maps)
     if arguments.compare:

@@ -23,19 +23,29 @@ std::string repr(const DepthDifference& d) {
            text("relative_l2", d.relative_l2) + ", " + text("bias", d.bias) + ">";
 }
 
+/// What is compared of a Picture: of T and columns the depth, else the colours.
+py::object compared(const py::object& given) {
+    if (!py::isinstance(given, py::module_::import("vog").attr("Picture"))) return given;
+    try {
+        return given.attr("depth");
+    } catch (const py::error_already_set&) {
+        return given.attr("image");
+    }
+}
+
 /// Calls work(a, b) for two DepthImages or two Images. throws TypeError for others
 template <class Work>
-py::object of_kind(const py::object& reference, const py::object& image, const std::string& call,
+py::object of_kind(const py::object& one, const py::object& two, const std::string& call,
                    const Work& work) {
-    const auto& other = image;
+    const py::object reference = compared(one), other = compared(two);
     if (py::isinstance<DepthImage>(reference) && py::isinstance<DepthImage>(other))
         return work(reference.cast<const DepthImage&>(), other.cast<const DepthImage&>());
-    if (py::isinstance<Picture>(reference) && py::isinstance<Picture>(other))
-        return work(reference.cast<const Picture&>().image, other.cast<const Picture&>().image);
+    if (py::isinstance<Bitmap>(reference) && py::isinstance<Bitmap>(other))
+        return work(reference.cast<const Bitmap&>().image, other.cast<const Bitmap&>().image);
     throw py::type_error(call + ": got " +
                          py::type::of(reference).attr("__name__").cast<std::string>() + " and " +
                          py::type::of(other).attr("__name__").cast<std::string>() +
-                         ", expected two DepthImages or two Images");
+                         ", expected two Pictures, DepthImages or Images");
 }
 
 void bind_differences(py::module_& m) {
@@ -100,7 +110,7 @@ void bind_compare(py::module_& m) {
         py::arg("reference"), py::arg("image"),
         R"(Error metrics of an image against a reference of the same size.
 
-reference, image  two DepthImages or two Images
+reference, image  two Pictures, DepthImages or Images; of Pictures of T and columns the numbers, of others the colours
 
 Returns a DepthDifference or a PictureDifference. Raises vog.Error for different sizes.
 
@@ -110,7 +120,12 @@ Returns a DepthDifference or a PictureDifference. Raises vog.Error for different
 0.2182)");
     m.def(
         "compare_shaded",
-        [](const DepthImage& reference, const DepthImage& image, const py::object& tf) {
+        [](const py::object& given, const py::object& other, const py::object& tf) {
+            const py::object one = compared(given), two = compared(other);
+            const auto& reference =
+                cast_to<const DepthImage&>(one, "reference", "a Picture of T or a DepthImage");
+            const auto& image =
+                cast_to<const DepthImage&>(two, "image", "a Picture of T or a DepthImage");
             const TransferFunction map = transfer_function_of(tf);
             return unlocked([&] { return compare_shaded(reference, image, map); });
         },
@@ -123,7 +138,7 @@ tf  transfer function: a TransferFunction or anything it accepts)");
         [](const py::object& reference, const py::object& image, double limit, bool bar) {
             return of_kind(reference, image, "difference_map", [&](const auto& a, const auto& b) {
                 return py::cast(unlocked([&] {
-                    return Picture(difference_map(a, b, {limit, bar}));
+                    return Bitmap(difference_map(a, b, {limit, bar}));
                 }));
             });
         },

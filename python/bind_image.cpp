@@ -9,7 +9,7 @@
 
 namespace vog::python {
 
-Picture::Picture(Image shaded)
+Bitmap::Bitmap(Image shaded)
     : image(std::move(shaded)), with_alpha(!opaque(image)), bytes(image_bytes(image, with_alpha)) {}
 
 Rgba background_of(const py::object& background) {
@@ -36,16 +36,16 @@ py::bytes png_of(const Image& image) {
     return {reinterpret_cast<const char*>(png.data()), png.size()};
 }
 
-Picture shaded(const DepthImage& depth, const py::object& tf, const py::object& background,
-               bool blend) {
+Bitmap shaded(const DepthImage& depth, const py::object& tf, const py::object& background,
+              bool blend) {
     const TransferFunction map = transfer_function_of(tf);
     const ShadeOptions options{background_of(background), blend};
-    return unlocked([&] { return Picture(shade(depth, map, options)); });
+    return unlocked([&] { return Bitmap(shade(depth, map, options)); });
 }
 
-Picture plotted(const DepthImage& depth, const std::string& quantity, const py::object& tf,
-                const py::object& range, std::optional<bool> log, const std::string& units,
-                const std::string& title, bool color_bar, const py::object& background) {
+Bitmap plotted(const DepthImage& depth, const std::string& quantity, const py::object& tf,
+               const py::object& range, std::optional<bool> log, const std::string& units,
+               const std::string& title, bool color_bar, const py::object& background) {
     if (quantity != "column" && quantity != "T")
         throw Error("plot: quantity '" + quantity + "', expected 'column' or 'T'");
     const bool column = quantity == "column";
@@ -70,7 +70,7 @@ Picture plotted(const DepthImage& depth, const std::string& quantity, const py::
         const Image image =
             column ? shade_values(values, map, scale, options) : shade(depth, map, options);
         const std::string label = quantity_label(show, "", units);
-        return Picture(annotated(image, map, scale, {title, label, color_bar}, options.background));
+        return Bitmap(annotated(image, map, scale, {title, label, color_bar}, options.background));
     });
 }
 
@@ -172,8 +172,8 @@ Of particles: number or value per area. Rows from the top; 0 where the ray meets
 
 quantity    'column': column density over range; 'T': optical depth, coloured by V = 1 - exp(-T) as shade()
 tf          transfer function, as in shade(); None: inferno, of T ember
-range       (low, high) column densities at its ends; None: 0 to the largest, with log the four decades
-            below the largest, or fewer
+range       (low, high) column densities at its ends; None: 0 to the largest, with log from the 5th percentile
+            of the values above 0, one to four decades
 log         True: logarithmic colours, ticks at decades
 units       unit of column density, text for the colour bar
 title       text above the picture
@@ -197,8 +197,8 @@ background  of empty pixels and margins, as in shade())")
             }));
 }
 
-/// Picture from an array of uint8 in [0, 255] or of floats in [0, 1].
-Picture picture_from_numpy(const py::object& data) {
+/// Bitmap from an array of uint8 in [0, 255] or of floats in [0, 1].
+Bitmap picture_from_numpy(const py::object& data) {
     const py::array array = numbers_of(data, "image");
     if (array.ndim() != 3 || (array.shape(2) != 3 && array.shape(2) != 4))
         throw Error("image: shape " + shape_text(array) + ", expected (height, width, 3 or 4)");
@@ -214,16 +214,16 @@ Picture picture_from_numpy(const py::object& data) {
         for (int x = 0; x < image.width; ++x)
             image.at(x, y) = {at(y, x, 0) / scale, at(y, x, 1) / scale, at(y, x, 2) / scale,
                               array.shape(2) == 4 ? at(y, x, 3) / scale : 1};
-    return Picture(std::move(image));
+    return Bitmap(std::move(image));
 }
 
-void bind_picture(py::module_& m) {
-    py::class_<Picture>(m, "Image", py::buffer_protocol(),
-                        R"(Picture, as DepthImage.shade returns it.
+void bind_bitmap(py::module_& m) {
+    py::class_<Bitmap>(m, "Image", py::buffer_protocol(),
+                       R"(Bitmap, as DepthImage.shade returns it.
 
 np.asarray(image) is a read-only view [height, width, 3] uint8, or [height, width, 4] if any pixel is not
 opaque; `rgba` has the unrounded floats. Notebooks display it.)")
-        .def_buffer([](Picture& self) {
+        .def_buffer([](Bitmap& self) {
             const std::size_t channels = self.with_alpha ? 4 : 3;
             const std::size_t width = static_cast<std::size_t>(self.image.width);
             return py::buffer_info(self.bytes.data(),
@@ -236,12 +236,12 @@ opaque; `rgba` has the unrounded floats. Notebooks display it.)")
         .def_static(
             "load",
             [](const std::filesystem::path& file) {
-                return unlocked([&] { return Picture(read_image(file)); });
+                return unlocked([&] { return Bitmap(read_image(file)); });
             },
             py::arg("file"), "Reads a PNG file, or an EXR file with channels R, G, B.")
         .def(
             "save",
-            [](const Picture& self, const std::filesystem::path& file) {
+            [](const Bitmap& self, const std::filesystem::path& file) {
                 unlocked([&] { write_image(file, self.image); });
             },
             py::arg("file"),
@@ -249,7 +249,7 @@ opaque; `rgba` has the unrounded floats. Notebooks display it.)")
         .def_property_readonly(
             "rgba",
             [](const py::object& self) {
-                Image& image = self.cast<Picture&>().image;
+                Image& image = self.cast<Bitmap&>().image;
                 py::array_t<float> view({image.height, image.width, 4},
                                         reinterpret_cast<const float*>(image.pixel.data()), self);
                 view.attr("flags").attr("writeable") = false;
@@ -258,13 +258,13 @@ opaque; `rgba` has the unrounded floats. Notebooks display it.)")
             "[height, width, 4] float32 view in [0, 1], read-only, with straight alpha.")
         .def_property_readonly(
             "shape",
-            [](const Picture& self) {
+            [](const Bitmap& self) {
                 return py::make_tuple(self.image.height, self.image.width, self.with_alpha ? 4 : 3);
             },
             "(height, width, channels).")
-        .def("_repr_png_", [](const Picture& self) { return png_of(self.image); })
+        .def("_repr_png_", [](const Bitmap& self) { return png_of(self.image); })
         .def("__repr__",
-             [](const Picture& self) {
+             [](const Bitmap& self) {
                  return "<vog.Image: " + extent(self.image.width, self.image.height) +
                         (self.with_alpha ? " RGBA>" : " RGB>");
              })
@@ -276,7 +276,7 @@ opaque; `rgba` has the unrounded floats. Notebooks display it.)")
 
 void bind_image(py::module_& m) {
     bind_depth(m);
-    bind_picture(m);
+    bind_bitmap(m);
 }
 
 }  // namespace vog::python

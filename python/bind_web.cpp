@@ -6,9 +6,8 @@
 #include "vog/error.h"
 #include "vog/export_html.h"
 #include "vog/lod.h"
-#include "vog/picture.h"
+#include "vog/picture_record.h"
 #include "vog/site.h"
-#include "volume_look.h"
 
 namespace vog::python {
 
@@ -35,21 +34,33 @@ struct QuantityArguments {
     const std::string &show, &field;
     const py::object &range, &clip, &clip_planes, &light, &unit_distance;
     std::optional<bool> log;
+
+    /// Request of these keywords, as render() takes them.
+    PictureRequest request(const py::object& tf) const try {
+        py::dict given;
+        given["show"] = show, given["field"] = field, given["range"] = range, given["clip"] = clip;
+        given["clip_planes"] = clip_planes, given["light"] = light;
+        given["unit_distance"] = unit_distance, given["tf"] = tf;
+        if (log) given["scale"] = *log ? "log" : "linear";
+        return request_of_json(py::module_::import("vog._picture")
+                                   .attr("_json")("export_html", given)
+                                   .cast<std::string>());
+    } catch (const Error& error) {
+        throw Error(std::string("export_html: ") + error.what());
+    }
 };
 
 constexpr int kUsualLevels = 8;  ///< of detail in a page
 
 /// Sets the field and the transfer function of a page's volume, with the defaults of the command.
-void choose_volume(HtmlQuantity& quantity, const QuantityArguments& given, const py::object& tf,
+void choose_volume(HtmlQuantity& quantity, PictureRequest request, std::optional<bool> log,
                    const Gaussians& model) {
-    const TransferRequest request =
-        transfer_request({"export_html", "range", tf, given.range, given.unit_distance, py::none(),
-                          py::none(), given.log});
-    const ScalarField* field = given.field.empty() ? scalar_to_begin_with(model.fields)
-                                                   : model.fields.find_scalar(given.field);
+    const ScalarField* field = request.field.empty() ? scalar_to_begin_with(model.fields)
+                                                     : model.fields.find_scalar(request.field);
     if (!field) return;  // write_html says so
     quantity.field = field->name;
-    quantity.transfer = choose_transfer(request, value_data(model, *field)).transfer;
+    request.transfer.log = log;
+    quantity.transfer = choose_transfer(request.transfer, value_data(model, *field)).transfer;
 }
 
 /// Refuses what has no effect on the quantity that the page shows first.
@@ -75,18 +86,20 @@ void require_effects(const QuantityArguments& given) {
 HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
                          const Gaussians& model) {
     require_effects(given);
+    const PictureRequest request = given.request(tf);
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
     quantity.log = given.log.value_or(false);
-    if (!given.range.is_none() && given.show != "volume") {
-        const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
-        quantity.scale = ColorScale{quantity.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
-                                    range[0], range[1]};
-        (void)scale_position(*quantity.scale, range[0]);  // checks the range
+    if (request.transfer.range && request.show != Show::volume) {
+        const auto [low, high] = *request.transfer.range;
+        quantity.scale =
+            ColorScale{quantity.log ? ColorScale::Kind::log : ColorScale::Kind::linear, low, high};
+        (void)scale_position(*quantity.scale, low);  // checks the range
     }
-    if (given.show == "volume") choose_volume(quantity, given, tf, model);
-    quantity.look = look_of("export_html", given.light, given.clip, given.clip_planes);
+    if (request.show == Show::volume) choose_volume(quantity, request, given.log, model);
+    quantity.look = request.look;
+    quantity.look.clip = request.options.clip;
     return quantity;
 }
 

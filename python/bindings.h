@@ -49,10 +49,8 @@ void bind_sample(py::module_& m);
 void bind_camera(py::module_& m);
 void bind_shade(py::module_& m);
 void bind_image(py::module_& m);
-void bind_field_maps(py::module_& m);
-void bind_volume_picture(py::module_& m);
 void bind_convert(py::module_& m);
-void bind_render(py::module_& m);
+void bind_picture(py::module_& m);
 void bind_compare(py::module_& m);
 void bind_exchange(py::module_& m);
 void bind_voxelize(py::module_& m);
@@ -111,12 +109,12 @@ TransferFunction transfer_function_of(const py::object& tf);
 Rgba background_of(const py::object& background);
 
 /// A shaded image with its 8-bit values for display.
-struct Picture {
+struct Bitmap {
     Image image;
     bool with_alpha = false;
     std::vector<std::uint8_t> bytes;  ///< [height, width, 3 or 4]
 
-    explicit Picture(Image shaded);
+    explicit Bitmap(Image shaded);
 };
 
 }  // namespace vog::python

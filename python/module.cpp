@@ -126,10 +126,8 @@ PYBIND11_MODULE(_vog, m) {
     bind_fields(m);
     bind_gaussians(m);
     bind_sample(m);
-    bind_field_maps(m);
-    bind_volume_picture(m);
     bind_convert(m);
-    bind_render(m);
+    bind_picture(m);
     bind_compare(m);
     bind_exchange(m);
     bind_voxelize(m);

@@ -37,7 +37,7 @@ page.save("cloud.html")
 MORE = """
 import vog
 model = vog.convert(vog.sample_cloud(64), block=4)
-vog.render(model, size=256).shade("inferno").save("cloud.png")
+vog.render(model, size=256, tf="inferno").save("cloud.png")
 vog.render(model, size=64, renderer="trace")
 vog.sample_cloud(64).save("saved.vdb")
 assert vog.Volume.load("saved.vdb").active_voxels == vog.sample_cloud(64).active_voxels
@@ -62,7 +62,7 @@ model = vog.convert(vog.sample_cloud(64), block=4)
 with tempfile.TemporaryDirectory() as folder:
     vog.sample_cloud(64).save(os.path.join(folder, "a.vdb"))
     assert vog.Volume.load(os.path.join(folder, "a.vdb")).active_voxels == vog.sample_cloud(64).active_voxels
-    vog.render(model, size=64).save(os.path.join(folder, "a.exr"))
+    vog.render(model, size=64).save_values(os.path.join(folder, "a.exr"))
 a, b = vog.render(model, size=64), vog.render(model, size=64, renderer="trace")
 assert vog.compare(a, b).relative_l2 < 1e-4
 print("wheel: works beside", ", ".join(held) or "no other copy: this machine has none")

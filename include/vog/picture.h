@@ -284,9 +284,9 @@ struct Picture {
 Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene);
 /// One picture: resolve, draw and finish.
 [[nodiscard]] Picture render(const Scene& scene, const PictureRequest& request = {});
-/// Writes the numbers of a picture: .npy, or .exr with a channel Y (T, column), "maximum", or all three of column, mean and
-/// deviation.
-/// throws  vog::Error as write_values does, and for volumes, which have none
+/// Writes the numbers of a picture: .npy, or .exr with a channel Y (T, column), "maximum", "opacity" (of a volume), or all three of
+/// column, mean and deviation.
+/// throws  vog::Error as write_values does
 /// record  as write_png has it, for .exr
 void write_numbers(const std::filesystem::path& file, const Picture& picture,
                    const std::string& record = {});

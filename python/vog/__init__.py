@@ -3,10 +3,10 @@
     import vog
     volume = vog.Volume.from_numpy(density, voxel_size=0.1)
     model = vog.convert(volume, block=4)
-    image = vog.render(model, size=512).shade("inferno")
-    image.save("picture.png")
+    picture = vog.render(model, tf="inferno")
+    picture.save("picture.png")
 
-Data flow: load -> convert -> render -> shade -> compare. Volumes are arrays [x, y, z]; images are
+Data flow: load -> convert -> render -> compare. Volumes are arrays [x, y, z]; images are
 [row, column] with rows from the top. Lengths are in world units, densities per world unit of length.
 Tutorial: docs/python.md.
 """
@@ -16,12 +16,14 @@ require_python()
 with own_libraries():
     from . import _vog
 
-from . import _messages, _show, _units
+from . import _messages, _picture, _show, _units
 
 _messages.shorten(_vog)
 _units.accept_quantities()
 _show.show_models()
+_picture.extend_picture()
 
+from ._picture import Scale as Scale, Scene as Scene, render as render
 from ._projection import Projection as Projection, projection as projection
 from ._readers import from_nifti as from_nifti, from_tiff as from_tiff, from_xarray as from_xarray, from_yt as from_yt
 from ._show import Page as Page, Settings as Settings, show as show

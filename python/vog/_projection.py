@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from . import _vog
 from ._packages import described
+from ._picture import render
 from ._units import is_quantity, parsed, product, units_of, value_in, with_unit
 
 _Array = NDArray[Any]
@@ -356,11 +357,10 @@ def _drawn(data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optio
     if not field:
         if fields is not None:
             raise _vog.Error("projection: fields without a field, expected the name of one")
-        depth = _vog.render(data, camera, size, extinction=1.0)
-        return np.asarray(depth, dtype=float)[::-1].copy(), ""
-    show: Any = "deviation" if quantity == "deviation" else "mean"
-    maps = _vog.render(data, camera, size, show=show, field=field, fields=fields)
-    shown = np.asarray(maps.to_numpy(), dtype=float)
+        column = render(data, camera, size, show="column").values
+        return np.asarray(column, dtype=float)[::-1].copy(), ""
+    maps: Any = render(data, camera, size, show="deviation" if quantity == "deviation" else "mean", field=field, fields=fields)
+    shown = np.asarray(maps.values, dtype=float)
     if quantity == "integral":
         shown = np.where(maps.column > 0, shown * maps.column, 0.0)
     return shown[::-1].copy(), maps.unit

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeAlias
 
+from ._picture import Scale
+
 __all__ = [
     "Error",
     "thread_count",
@@ -29,12 +31,7 @@ __all__ = [
     "sample_levels",
     "sample_particles",
     "convert",
-    "FieldMaps",
-    "Scene",
-    "render",
-    "splat_targets",
-    "render_volume",
-    "render_maximum",
+    "Picture",
     "PictureDifference",
     "DepthDifference",
     "compare",
@@ -444,147 +441,64 @@ def convert(
     report: Union[dict[str, Any], None] = ...,
 ) -> Gaussians: ...
 
-class FieldMaps:
-    def to_numpy(self) -> NDArray[np.float32]: ...
+class Picture:
     @property
-    def column(self) -> NDArray[np.float32]: ...
+    def values(self) -> NDArray[np.float32]: ...
     @property
-    def mean(self) -> NDArray[np.float32]: ...
+    def column(self) -> Union[NDArray[np.float32], None]: ...
     @property
-    def deviation(self) -> NDArray[np.float32]: ...
+    def mean(self) -> Union[NDArray[np.float32], None]: ...
     @property
-    def show(self) -> str: ...
+    def deviation(self) -> Union[NDArray[np.float32], None]: ...
     @property
-    def name(self) -> str: ...
+    def image(self) -> Image: ...
+    @property
+    def depth(self) -> DepthImage: ...
+    @property
+    def scale(self) -> Union[Scale, None]: ...
+    @property
+    def label(self) -> str: ...
     @property
     def unit(self) -> str: ...
     @property
+    def extinction(self) -> float: ...
+    @property
+    def camera(self) -> Camera: ...
+    @property
+    def request(self) -> dict[str, Any]: ...
+    @property
     def shape(self) -> tuple[int, int]: ...
-    def save(self, file: _Path) -> None: ...
-    def plot(
+    def recolor(
         self,
-        tf: Optional[_Map] = ...,
         *,
-        range: Union[tuple[float, float], None] = ...,
-        scale: str = ...,
-        least_column: float = ...,
-        units: str = ...,
-        title: str = ...,
-        color_bar: bool = ...,
-        background: Union[str, _Vector] = ...,
-    ) -> Image: ...
+        tf: Optional[_Map] = ...,
+        range: Union[ArrayLike, None] = ...,
+        scale: Union[str, None] = ...,
+        extinction: Union[float, None] = ...,
+        background: Union[str, _Vector, None] = ...,
+        blend: Union[bool, None] = ...,
+        least_column: Union[float, None] = ...,
+        color_bar: Union[bool, None] = ...,
+        axes: Union[bool, None] = ...,
+        scale_bar: Union[bool, None] = ...,
+        title: Union[str, None] = ...,
+    ) -> Picture: ...
+    def save(self, file: _Path) -> None: ...
+    def save_values(self, file: _Path) -> None: ...
+    @property
+    def _scale(self) -> Union[tuple[float, float, str], None]: ...
+    @property
+    def _request(self) -> str: ...
+    def _recolored(self, request: str, /) -> Picture: ...
     def _repr_png_(self) -> bytes: ...
     def __array__(self, dtype: Any = ...) -> NDArray[np.float32]: ...
 
-class Scene:
-    def __init__(
-        self,
-        data: _Drawable,
-        *,
-        renderer: str = ...,
-        extinction: _Extinction = ...,
-        aabb_sigma: float = ...,
-        kappa: float = ...,
-        anyhit: str = ...,
-        hits_per_slab: int = ...,
-        stop_transmittance: float = ...,
-        interpolation: str = ...,
-        step: float = ...,
-        samples: int = ...,
-        clip: Union[ArrayLike, None] = ...,
-        clip_planes: Union[ArrayLike, None] = ...,
-    ) -> None: ...
-    def render(
-        self, camera: Union[Camera, None] = ..., size: _Size = ..., *, progress: Union[_Progress, None] = ...
-    ) -> DepthImage: ...
-    @property
-    def renderer(self) -> str: ...
-    @property
-    def box(self) -> Union[NDArray[np.float64], None]: ...
+class _Scene:
+    def __init__(self, data: Any, fields: Any, /) -> None: ...
+    def draw(self, request: str, progress: Union[_Progress, None], /) -> Picture: ...
 
-@overload
-def render(
-    data: _Drawable,
-    camera: Union[Camera, None] = ...,
-    size: _Size = ...,
-    *,
-    renderer: str = ...,
-    extinction: _Extinction = ...,
-    aabb_sigma: float = ...,
-    kappa: float = ...,
-    anyhit: str = ...,
-    hits_per_slab: int = ...,
-    stop_transmittance: float = ...,
-    interpolation: str = ...,
-    step: float = ...,
-    samples: int = ...,
-    clip: Union[ArrayLike, None] = ...,
-    clip_planes: Union[ArrayLike, None] = ...,
-    show: Literal["column", "mean", "deviation"],
-    field: str = ...,
-    fields: Union[dict[str, Any], None] = ...,
-    progress: Union[_Progress, None] = ...,
-) -> FieldMaps: ...
-@overload
-def render(
-    data: _Drawable,
-    camera: Union[Camera, None] = ...,
-    size: _Size = ...,
-    *,
-    renderer: str = ...,
-    extinction: _Extinction = ...,
-    aabb_sigma: float = ...,
-    kappa: float = ...,
-    anyhit: str = ...,
-    hits_per_slab: int = ...,
-    stop_transmittance: float = ...,
-    interpolation: str = ...,
-    step: float = ...,
-    samples: int = ...,
-    clip: Union[ArrayLike, None] = ...,
-    clip_planes: Union[ArrayLike, None] = ...,
-    show: Literal["T"] = ...,
-    field: str = ...,
-    fields: Union[dict[str, Any], None] = ...,
-    progress: Union[_Progress, None] = ...,
-) -> DepthImage: ...
-def splat_targets() -> list[str]: ...
-def render_volume(
-    data: Union[Gaussians, _Mesh],
-    camera: Union[Camera, None] = ...,
-    size: _Size = ...,
-    *,
-    field: str = ...,
-    tf: _Map = ...,
-    value_range: Union[ArrayLike, None] = ...,
-    scale: str = ...,
-    window: Union[ArrayLike, None] = ...,
-    bands: Union[Sequence[tuple[float, float, ArrayLike, float]], None] = ...,
-    unit_distance: Union[float, None] = ...,
-    light: Union[str, ArrayLike, None] = ...,
-    clip: Union[ArrayLike, None] = ...,
-    clip_planes: Union[ArrayLike, None] = ...,
-    background: Union[str, _Vector] = ...,
-    renderer: str = ...,
-    slabs: int = ...,
-    fields: Union[dict[str, Any], None] = ...,
-    interpolation: str = ...,
-    step: float = ...,
-    progress: Union[_Progress, None] = ...,
-) -> Image: ...
-def render_maximum(
-    data: Union[Gaussians, _Mesh],
-    camera: Union[Camera, None] = ...,
-    size: _Size = ...,
-    *,
-    field: str = ...,
-    clip: Union[ArrayLike, None] = ...,
-    clip_planes: Union[ArrayLike, None] = ...,
-    renderer: str = ...,
-    slabs: int = ...,
-    fields: Union[dict[str, Any], None] = ...,
-    progress: Union[_Progress, None] = ...,
-) -> NDArray[np.float32]: ...
+def _transfer_json(tf: Any, /) -> str: ...
+def _request_keys() -> list[str]: ...
 
 class PictureDifference:
     @property
@@ -619,12 +533,18 @@ class DepthDifference:
     def identical(self) -> bool: ...
 
 @overload
-def compare(reference: DepthImage, image: DepthImage) -> DepthDifference: ...
+def compare(reference: DepthImage, image: Union[DepthImage, Picture]) -> DepthDifference: ...
 @overload
-def compare(reference: Image, image: Image) -> PictureDifference: ...
-def compare_shaded(reference: DepthImage, image: DepthImage, tf: _Map = ...) -> PictureDifference: ...
+def compare(reference: Picture, image: DepthImage) -> DepthDifference: ...
+@overload
+def compare(reference: Image, image: Union[Image, Picture]) -> PictureDifference: ...
+@overload
+def compare(reference: Picture, image: Image) -> PictureDifference: ...
+@overload
+def compare(reference: Picture, image: Picture) -> Any: ...  # DepthDifference of T and columns, else PictureDifference
+def compare_shaded(reference: Union[DepthImage, Picture], image: Union[DepthImage, Picture], tf: _Map = ...) -> PictureDifference: ...
 def difference_map(
-    reference: Union[DepthImage, Image], image: Union[DepthImage, Image], limit: float = ..., bar: bool = ...
+    reference: Union[DepthImage, Image, Picture], image: Union[DepthImage, Image, Picture], limit: float = ..., bar: bool = ...
 ) -> Image: ...
 def evaluate(
     data: _Mesh,

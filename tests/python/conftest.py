@@ -1,8 +1,11 @@
 """Fixtures of the Python tests, which run on the installed package (CMakeLists.txt here)."""
+import json
 import os
 import pathlib
+import re
 import subprocess
 
+import numpy as np
 import pytest
 
 import vog
@@ -19,6 +22,18 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if "data" in item.fixturenames:
             item.add_marker("data")
+
+
+def request_of(png):
+    """The request that a PNG keeps: "picture" of the JSON in its chunk iTXt with the key "vog"."""
+    text = re.search(rb"iTXtvog\0\0\0\0\0(.*)", pathlib.Path(png).read_bytes(), re.S)
+    return json.JSONDecoder().raw_decode(text[1].decode("utf-8", "replace"))[0]["picture"]
+
+
+def same_picture(one, other):
+    """Whether two PNG files have the same pixels and the same request, whatever their inputs are called."""
+    a, b = (np.asarray(image) for image in (vog.Image.load(one), vog.Image.load(other)))
+    return a.shape == b.shape and np.array_equal(a, b) and request_of(one) == request_of(other)
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-FILES = ("calls", "fields", "gaussians", "points", "projection", "render", "volume", "volume_picture")
+FILES = ("calls", "fields", "gaussians", "picture", "points", "projection", "render", "volume", "volume_picture")
 
 
 def main():

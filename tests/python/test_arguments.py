@@ -7,7 +7,7 @@ from conftest import SOURCE
 
 # Runs in a process of its own: a crash ends that one, and its last line says where.
 SCRIPT = r'''
-import ast, faulthandler, itertools, pathlib, sys, warnings
+import ast, faulthandler, functools, inspect, pathlib, sys, warnings
 import numpy as np
 import vog
 from vog import _vog
@@ -21,9 +21,10 @@ levels = vog.Levels([volume, fine])
 model = vog.convert(volume, block=4)
 points = vog.Points.from_numpy(rng.random((20, 3)), attributes={"mass": np.ones(20)})
 camera = vog.Camera.orbit(volume)
-depth = vog.render(model, size=16)
-image = depth.shade()
+picture = vog.render(model, size=16)
+depth, image = picture.depth, picture.image
 maps = vog.render(model, size=16, show="mean", field="density")
+light = vog.render(model, size=16, show="volume")
 tf = vog.TransferFunction("viridis")
 volume.save("a.vdb"), model.save("a.ply"), model.save("a.vogz"), points.save("a.xyz"), depth.save("a.exr"), image.save("a.png")
 tf.save("a.json"), camera.save("c.json")
@@ -47,7 +48,7 @@ KINDS = {
     "masked": np.ma.masked_array(array, array > 0.5), "big end": array.astype(">f8"), "strided": np.zeros((16, 16, 16))[::2, ::-2, ::2],
     "structured": np.zeros(3, dtype=[("a", "f4")]), "read only": np.broadcast_to(np.float32(1), (8, 8, 8)), "nan array": np.full((8, 8, 8), np.nan),
     "volume": volume, "levels": levels, "volumes": [volume, fine], "model": model, "points": points, "field": model.fields["density"],
-    "camera": camera, "depth": depth, "image": image, "maps": maps, "tf": tf, "function": lambda *_: None, "raises": lambda *_: 1 / 0, "type": int,
+    "camera": camera, "depth": depth, "image": image, "picture": picture, "maps": maps, "light": light, "tf": tf, "function": lambda *_: None, "raises": lambda *_: 1 / 0, "type": int,
     "class": vog.Volume, "object": object(), "odd": Odd(), "generator": (n for n in range(3)), "range": range(3), "set": {1}, "slice": slice(0, 2), "module": sys,
 }
 # What a parameter has where another one is tried.
@@ -58,17 +59,18 @@ USUAL = {
     "index": 0, "count": 1, "other": model, "budget": 3, "value": 1, "voxel_size": 0.5,
 }
 FILES = {"Volume": "a.vdb", "Levels": "a.vdb", "Points": "a.xyz", "Gaussians": "a.ply", "DepthImage": "a.exr", "Image": "a.png", "TransferFunction": "a.json", "Camera": "c.json"}
-SAVED = {**{name: "saved" + file[1:] for name, file in FILES.items()}, "FieldMaps": "saved.npy", "export_html": "saved.html", "export_splats": "saved.ply"}
+SAVED = {**{name: "saved" + file[1:] for name, file in FILES.items()}, "Picture": "saved.npy", "export_html": "saved.html", "export_splats": "saved.ply"}
 OBJECTS = {"Volume": volume, "Levels": levels, "Points": points, "Gaussians": model, "DepthImage": depth, "Image": image, "TransferFunction": tf,
-           "Camera": camera, "FieldMaps": maps, "Scene": vog.Scene(model), "threads": vog.threads(1), "Field": model.fields["density"]}
+           "Camera": camera, "Picture": maps, "threads": vog.threads(1), "Field": model.fields["density"]}
 SLOW = {"sample_cloud", "sample_explosion", "sample_head", "sample_fire", "sample_levels", "evaluate", "rate_distortion"}
-REQUIRED = {"render": {"size": 8}, "render_volume": {"size": 8}, "render_maximum": {"size": 8}, "Scene.render": {"size": 8}, "voxelize": {"voxel_size": 0.5}}
+REQUIRED = {"voxelize": {"voxel_size": 0.5}}
 THROWN = (vog.Error, TypeError, ValueError, LookupError, OSError, ImportError, AttributeError, OverflowError, ArithmeticError, RuntimeError, MemoryError)
 
 def members():
     """(name, callable, parameters, first of class) of the module, by its stub."""
     stub = ast.parse(pathlib.Path(_vog.__file__).with_name("_vog.pyi").read_text())
     for item in stub.body:
+        if getattr(item, "name", "_").startswith("_"): continue
         functions = [(None, item)] if isinstance(item, ast.FunctionDef) else [(item.name, f) for f in getattr(item, "body", []) if isinstance(f, ast.FunctionDef)]
         for owner, function in functions:
             kinds = {d.id if isinstance(d, ast.Name) else getattr(d, "attr", "") for d in function.decorator_list}
@@ -79,7 +81,7 @@ def members():
             static = "staticmethod" in kinds
             if owner and not static: named = named[1:]
             needed = named[: len(named) - len(a.defaults)] if a.defaults else named
-            needed = list(needed) + [x.arg for x, d in zip(a.kwonlyargs, a.kw_defaults) if d is None and x.arg != "show"]
+            needed = list(needed) + [x.arg for x, d in zip(a.kwonlyargs, a.kw_defaults) if d is None]
             target = getattr(vog, owner or function.name)
             if owner and function.name != "__init__": target = getattr(target if static else OBJECTS.get(owner), function.name, None)
             if target is None: continue
@@ -87,12 +89,22 @@ def members():
                 yield f"{owner}.{function.name}=", (lambda o, n: lambda value: setattr(OBJECTS[o], n, value))(owner, function.name), ["value"], ["value"], owner
                 continue
             yield (f"{owner}.{function.name}" if owner else function.name), target, named + [x.arg for x in a.kwonlyargs], needed, owner
+    # Functions of Python: all keywords of T and volumes; for the other quantities the keywords that they read in their own way.
+    keywords = list(inspect.signature(vog.render).parameters)
+    some = ["field", "fields", "tf", "range", "units"]
+    def draw(**given): return vog.render(**{"size": 8, **given})
+    yield "Scene", lambda **given: vog.Scene(**given).render(size=8), ["data", "fields"], ["data"], None
+    yield "Scene.render", lambda **given: vog.Scene(model).render(**{"size": 8, **given}), ["camera", "size", "progress"], [], None
+    for data, show, named in ((model, "T", keywords), (model, "volume", keywords[3:]), (model, "mean", some), (model, "maximum", some), (model, "column", some),
+                              (volume, "T", ["step", "samples", "fields"]), (volume, "mean", some), (volume, "volume", some)):
+        base = {"data": data, "show": show, **({"field": "density"} if show == "mean" else {})}
+        yield f"render {show}", functools.partial(draw, **base), named, [], None
 
 def usual(name, parameter, owner):
     if parameter == "file":
         short = name.rsplit(".", 1)[-1]
         return FILES.get(owner, "a.vdb") if short == "load" else SAVED.get(owner or name, "saved.vdb") if short != "grid_names" else "a.vdb"
-    if name in ("compare", "compare_shaded", "difference_map"): return {"tf": "viridis"}.get(parameter, depth)
+    if name in ("compare", "compare_shaded", "difference_map"): return {"tf": "viridis"}.get(parameter, picture)
     if name in ("evaluate", "rate_distortion") and parameter in ("data", "volume"): return None  # a whole evaluation takes minutes
     if name == "Image.from_numpy": return np.zeros((4, 4, 3))
     if name == "TransferFunction.from_matplotlib": return "viridis"
@@ -119,7 +131,6 @@ for name, call, parameters, needed, owner in members():
             if name.split(".")[0] in SLOW and label not in ("none", "text", "list", "odd", "model", "minus", "cube"): continue
             if parameter in ("size", "width", "height", "resolution") and label in ("huge",): continue
             given = {**base, parameter: value}
-            if name.startswith(("render", "Scene")) and parameter != "size": given.setdefault("size", 8) if name != "Scene.__init__" else None
             first = name.endswith(("__getitem__", "__add__", "__call__", "__eq__", "="))
             attempt(name, call, f"{parameter}={label}", list(given.values()) if first else [], {} if first else given)
         if not parameters: attempt(name, call, "", [], {})
@@ -129,7 +140,7 @@ print(f"tried {tried}")
 # Calls that touch Python's objects: none may stand in the body of unlocked().
 TOUCHES = re.compile(
     r"\bpy::|\b(levels_of|size_of|numbers_in|numbers_of|rows_of|row_of|cast_to|described|background_of|transfer_function_of|box_to_view|sampled_fields|"
-    r"voxel_fields_of|look_of|warn|refuse_data|extinction_of|progress_of)\(|\.cast<|\.attr\("
+    r"voxel_fields_of|scene_of_data|warn|refuse_data|extinction_of|progress_of)\(|\.cast<|\.attr\("
 )
 
 

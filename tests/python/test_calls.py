@@ -55,12 +55,12 @@ def test_calls_from_several_threads_agree(cloud):
     expected = vog.convert(cloud, block=4)
     scene = vog.Scene(expected)
     cameras = [vog.Camera.orbit(expected, azimuth) for azimuth in np.linspace(0, 345, 12)]
-    pictures = [scene.render(camera, 64).depth.copy() for camera in cameras]
+    pictures = [scene.render(camera, 64).values for camera in cameras]
     with concurrent.futures.ThreadPoolExecutor(6) as pool:
         models = list(pool.map(lambda _: vog.convert(cloud, block=4), range(6)))
         drawn = list(pool.map(lambda camera: scene.render(camera, 64), cameras))
     assert all(np.array_equal(model.mean, expected.mean) for model in models)
-    assert all(np.array_equal(depth.depth, picture) for depth, picture in zip(drawn, pictures))
+    assert all(np.array_equal(one.values, picture) for one, picture in zip(drawn, pictures))
 
 
 # Each takes minutes unless it is interrupted.
@@ -70,7 +70,7 @@ def test_calls_from_several_threads_agree(cloud):
         "vog.convert(volume, error=1e-6)",
         "vog.convert(volume, budget=10**6, refine_seconds=1000)",
         "vog.render(volume, size=6000, interpolation='linear', step=0.01)",
-        "vog.render(model, size=30000, renderer='trace')",
+        "vog.render(model, size=16000, renderer='trace')",
         "vog.sample_cloud(1024)",
         "vog.sample_particles(256)",
         "vog.evaluate(volume, sys.argv[1] + '/out')",

@@ -9,10 +9,10 @@ import pytest
 import vog
 
 # Calls whose help begins with their use.
-CHIEF = ["convert", "render", "render_volume", "render_maximum", "compare", "voxelize", "export_html", "export_splats", "projection", "show",
+CHIEF = ["convert", "render", "compare", "voxelize", "export_html", "export_splats", "projection", "show",
          "set_units", "from_yt", "from_xarray", "from_nifti", "from_tiff", "to_vtk", "to_pyvista", "Gaussians", "Camera", "DepthImage",
          "TransferFunction", "Settings", "threads", "Volume.from_numpy", "Volume.from_blocks", "Volume.to_numpy", "Camera.orbit",
-         "Points.from_numpy", "DepthImage.shade"]  # fmt: skip
+         "Points.from_numpy", "DepthImage.shade", "Picture.recolor"]  # fmt: skip
 
 
 def docstrings():

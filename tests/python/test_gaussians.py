@@ -18,10 +18,10 @@ def test_arrays_are_the_models_own_memory():
     for name, shape in (("mean", (2, 3)), ("scale", (2, 3)), ("density", (2,)), ("rotation", (2, 4))):
         array = getattr(model, name)
         assert array.shape == shape and array.dtype == np.float32 and not array.flags.owndata
-    before = vog.render(model, size=32, extinction=1).depth.copy()
+    before = vog.render(model, size=32, extinction=1).values
     model.density *= 2  # through the view, and by assignment of it to itself
     assert np.array_equal(model.density, [2, 4])
-    assert np.array_equal(vog.render(model, size=32, extinction=1).depth, 2 * before)
+    assert np.array_equal(vog.render(model, size=32, extinction=1).values, 2 * before)
     model.mean[1] = 0
     model.scale = np.ones((2, 3))
     assert np.array_equal(model.mean, np.zeros((2, 3))) and np.array_equal(model.scale, np.ones((2, 3)))
@@ -70,7 +70,7 @@ def test_sum_of_parts_is_the_whole_picture(model):
     both = model[near] + model[~near]
     assert len(both) == len(model)
     camera = vog.Camera.paper_view(model)
-    pictures = [vog.render(m, camera, 64, extinction=1).depth for m in (model, model[near], model[~near], both)]
+    pictures = [vog.render(m, camera, 64, extinction=1).values for m in (model, model[near], model[~near], both)]
     assert np.allclose(pictures[1] + pictures[2], pictures[0], rtol=1e-5)
     assert np.allclose(pictures[3], pictures[0], rtol=1e-5)
     other = two()
@@ -137,7 +137,7 @@ def test_models_far_from_the_origin_keep_their_places(tmp_path):
         assert np.array_equal(back.origin, model.origin) and np.array_equal(back.mean, model.mean)
     near = vog.convert(vog.Volume.from_numpy(np.ones((8, 8, 8)), voxel_size=0.1), block=2)
     assert np.array_equal(near.origin, [0, 0, 0])
-    depth = [vog.render(m, vog.Camera.paper_view(m), 64, extinction=1).depth for m in (near, model)]
+    depth = [vog.render(m, vog.Camera.paper_view(m), 64, extinction=1).values for m in (near, model)]
     assert np.allclose(depth[0], depth[1], rtol=0, atol=1e-3 * depth[0].max())
 
 

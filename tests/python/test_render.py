@@ -1,4 +1,6 @@
-"""render(), shade(), compare(): pictures equal to the command's, buffers, notebooks, transfer functions."""
+"""render(), compare(): pictures equal to the command's, buffers, notebooks, transfer functions, pages."""
+import functools
+import gc
 import json
 import pickle
 import zlib
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 
 import vog
+from conftest import same_picture
 
 
 @pytest.mark.parametrize(
@@ -30,15 +33,15 @@ import vog
         ),
     ],
 )
-def test_pictures_of_models_are_the_commands_byte_for_byte(tmp_path, command, model, options, flags):
+def test_pictures_of_models_are_the_commands_bit_for_bit(tmp_path, command, model, options, flags):
     model.save(tmp_path / "model.ply")
     command("render", "model.ply", "-o", "a.png", "--depth-out", "a.exr", *flags)
-    depth = vog.render(vog.Gaussians.load(tmp_path / "model.ply"), **options)
-    depth.save(tmp_path / "b.exr")
-    depth.shade().save(tmp_path / "b.png")
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
-    assert vog.DepthImage.load(tmp_path / "a.exr").extinction == depth.extinction
+    picture = vog.render(vog.Gaussians.load(tmp_path / "model.ply"), **options)
+    picture.save_values(tmp_path / "b.exr")
+    picture.save(tmp_path / "b.png")
+    assert same_picture(tmp_path / "a.png", tmp_path / "b.png")
+    for depth in (vog.DepthImage.load(tmp_path / "a.exr"), vog.DepthImage.load(tmp_path / "b.exr"), picture.depth):
+        assert np.array_equal(depth.depth, picture.values) and depth.extinction == picture.extinction
 
 
 @pytest.mark.parametrize(
@@ -49,19 +52,19 @@ def test_pictures_of_models_are_the_commands_byte_for_byte(tmp_path, command, mo
 def test_pictures_of_voxels_are_the_commands_too(tmp_path, command, cloud, options, flags):
     cloud.save(tmp_path / "cloud.vdb")
     command("render", "cloud.vdb", "-o", "a.png", "--size", 64, "--tf", "blue-white", "--blend", *flags)
-    vog.render(cloud, size=64, **options).shade("blue-white", blend=True).save(tmp_path / "b.png")
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    vog.render(cloud, size=64, tf="blue-white", blend=True, **options).save(tmp_path / "b.png")
+    assert same_picture(tmp_path / "a.png", tmp_path / "b.png")
 
 
 def test_pictures_of_levels_and_particles_are_the_commands_too(tmp_path, command):
     command("sample", "amr", "amr.vdb", "--size", 64)
     command("render", "amr.vdb", "--grid", "density_L*", "-o", "a.png", "--size", 64)
-    vog.render(vog.Levels.load(tmp_path / "amr.vdb", "density_L*"), size=64).shade().save(tmp_path / "b.png")
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    vog.render(vog.Levels.load(tmp_path / "amr.vdb", "density_L*"), size=64).save(tmp_path / "b.png")
+    assert same_picture(tmp_path / "a.png", tmp_path / "b.png")
     vog.sample_particles(8).save(tmp_path / "points.xyz")
     command("render", "points.xyz", "-o", "c.png", "--size", 64)
-    vog.render(vog.Points.load(tmp_path / "points.xyz"), size=64).shade().save(tmp_path / "d.png")
-    assert (tmp_path / "c.png").read_bytes() == (tmp_path / "d.png").read_bytes()
+    vog.render(vog.Points.load(tmp_path / "points.xyz"), size=64).save(tmp_path / "d.png")
+    assert same_picture(tmp_path / "c.png", tmp_path / "d.png")
 
 
 def test_cameras_are_shared_with_the_command(tmp_path, command, model):
@@ -69,8 +72,8 @@ def test_cameras_are_shared_with_the_command(tmp_path, command, model):
     camera = vog.Camera.orbit(model, azimuth=57, elevation=-12, distance=2, fov_degrees=50)
     camera.save(tmp_path / "camera.json")
     command("render", "model.ply", "-o", "a.png", "--size", 64, "--camera", "camera.json")
-    vog.render(model, camera, 64).shade().save(tmp_path / "b.png")
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    vog.render(model, camera, 64).save(tmp_path / "b.png")
+    assert same_picture(tmp_path / "a.png", tmp_path / "b.png")
     for back in (vog.Camera.load(tmp_path / "camera.json"), pickle.loads(pickle.dumps(camera)), eval(repr(camera))):
         assert back == camera
     assert camera != vog.Camera.paper_view(model) and camera != 3
@@ -96,8 +99,8 @@ def test_orbits_are_the_commands_views(tmp_path, command, model):
         (["--view", "paper"], vog.Camera.paper_view(model)),
     ):
         command("render", "model.ply", "-o", "a.png", "--size", 64, *options)
-        vog.render(model, camera, 64).shade().save(tmp_path / "b.png")
-        assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+        vog.render(model, camera, 64).save(tmp_path / "b.png")
+        assert same_picture(tmp_path / "a.png", tmp_path / "b.png")
 
 
 def test_parallel_rays_sum_to_the_mass(model, cloud):
@@ -109,8 +112,8 @@ def test_parallel_rays_sum_to_the_mass(model, cloud):
     for data, renderer, within in ((model, "splat", 1e-3), (model, "trace", 1e-3), (cloud, "reference", 1e-7)):
         for view in ("+x", "-y", "+z", "paper"):
             camera = vog.Camera.orbit(data, view=view, width=width)
-            depth = vog.render(data, camera, size, renderer=renderer, extinction=1)
-            mass = depth.depth.sum(dtype=float) * (width / size) ** 2
+            column = vog.render(data, camera, size, renderer=renderer, show="column").values
+            mass = column.sum(dtype=float) * (width / size) ** 2
             assert mass == pytest.approx(data.mass, rel=1e-4 if view == "paper" else within)
 
 
@@ -122,52 +125,78 @@ def test_any_unit_of_length_gives_the_same_picture():
         for unit in (1, 1e-30, 1e-21, 1e21, 1e30):
             volume = vog.Volume.from_numpy(density, voxel_size=unit)
             data = volume if renderer == "reference" else vog.convert(volume, block=2)
-            depth = vog.render(data, size=48, renderer=renderer)
-            pictures.append(1 - np.exp(-np.asarray(depth, dtype=float)))
+            picture = vog.render(data, size=48, renderer=renderer)
+            pictures.append(1 - np.exp(-np.asarray(picture, dtype=float)))
         assert pictures[0].max() > 0.9
         for other in pictures[1:]:
             assert np.abs(other - pictures[0]).max() < 1e-5, renderer
 
 
-def test_a_scene_draws_many_views(model, cloud):
+def test_a_scene_draws_many_views_and_quantities(model, cloud):
     for data, renderer in ((model, "splat"), (model, "trace"), (cloud, "reference")):
-        scene = vog.Scene(data, renderer=renderer)
-        assert np.array_equal(scene.box, data.box)
+        scene = vog.Scene(data)
         for azimuth in (6, 115):
             camera = vog.Camera.orbit(data, azimuth)
-            one, other = scene.render(camera, 40), vog.render(data, camera, 40, renderer=renderer)
-            assert np.array_equal(one.depth, other.depth) and one.extinction == other.extinction
+            for show in ("T", "volume", "column", "maximum", "T"):
+                one, other = (draw(camera, 40, show=show, renderer=renderer) for draw in (scene.render, functools.partial(vog.render, data)))
+                assert np.array_equal(one.values, other.values, equal_nan=True) and one.request == other.request
+                assert np.array_equal(one.image, other.image) and one.camera == camera
+    with pytest.raises(TypeError, match="render: unknown keyword 'value_range', expected show, field, tf, range"):
+        scene.render(value_range=(0, 1))
+    with pytest.raises(TypeError, match="value_range"):
+        vog.render(model, value_range=(0, 1))
 
 
-def test_depth_is_a_buffer_without_copies(model):
-    depth = vog.render(model, size=(50, 30))
+def test_pictures_are_buffers_without_copies(model):
+    picture = vog.render(model, size=(50, 30))
+    array = np.asarray(picture)
+    assert array.shape == picture.shape == (30, 50) and array.dtype == np.float32 and not array.flags.owndata
+    assert np.shares_memory(array, picture.values) and np.shares_memory(array, np.asarray(memoryview(picture)))
+    assert np.shares_memory(array, picture.column) and picture.mean is None and picture.deviation is None
+    for view in (array, picture.values):
+        with pytest.raises(ValueError):
+            view[0] = 0
+    values = vog.render(model, size=16).values  # outlives its picture
+    gc.collect()
+    assert np.array_equal(values, vog.render(model, size=16).values)
+
+
+def test_depth_takes_another_extinction(model):
+    picture = vog.render(model, size=(50, 30))
+    depth = picture.depth
     array = np.asarray(depth)
     assert array.shape == depth.shape == (30, 50) and array.dtype == np.float32 and not array.flags.owndata
     assert np.shares_memory(array, depth.depth) and np.shares_memory(array, np.asarray(memoryview(depth)))
+    assert np.array_equal(array, picture.values) and depth.extinction == picture.extinction
     sum_before, extinction = array.sum(), depth.extinction
     depth.extinction = 2 * extinction
-    assert array.sum() == pytest.approx(2 * sum_before, rel=1e-5)
+    assert array.sum() == pytest.approx(2 * sum_before, rel=1e-5) and picture.values.sum() == sum_before
     depth.extinction = "auto"
     assert depth.extinction == pytest.approx(extinction, rel=1e-6)
     copied = vog.DepthImage.from_numpy(array.astype(np.float64), depth.extinction)
     assert vog.compare(depth, copied).identical
     assert vog.compare(depth, pickle.loads(pickle.dumps(depth))).identical
+    column = vog.render(model, size=(50, 30), show="column")
+    assert column.depth.extinction == column.extinction == 1
+    assert np.allclose(depth.column_density(), column.values, rtol=1e-5)
 
 
 def test_images_are_uint8_and_show_themselves(tmp_path, model):
-    depth = vog.render(model, size=(50, 30))
-    image = depth.shade("viridis", background=(0.2, 0.4, 1))
+    picture = vog.render(model, size=(50, 30), tf="viridis", background=(0.2, 0.4, 1))
+    image = picture.image
     array = np.asarray(image)
     assert array.shape == image.shape == (30, 50, 3) and array.dtype == np.uint8 and not array.flags.owndata
     assert np.array_equal(array[0, 0], [51, 102, 255])
     assert np.array_equal(np.rint(255 * image.rgba[..., :3]).astype(np.uint8), array)
     with pytest.raises(ValueError):
         array[0] = 0
-    clear = depth.shade(background="transparent")
+    clear = picture.recolor(background="transparent").image
     assert np.asarray(clear).shape == (30, 50, 4) and np.asarray(clear)[0, 0, 3] == 0
     image.save(tmp_path / "a.png")
     assert image._repr_png_() == (tmp_path / "a.png").read_bytes()
-    assert depth._repr_png_() == depth.shade("ember")._repr_png_()
+    assert picture._repr_png_() == image._repr_png_() and repr(picture) == "<vog.Picture: T, 50x30>"
+    assert np.array_equal(image, picture.depth.shade("viridis", background=(0.2, 0.4, 1)))
+    assert picture.depth._repr_png_() == vog.render(model, size=(50, 30)).image._repr_png_()
     for back in (vog.Image.load(tmp_path / "a.png"), vog.Image.from_numpy(array), pickle.loads(pickle.dumps(image))):
         assert vog.compare(image, back).psnr_db == np.inf
     # Decoded by the PNG specification: 8 bits, RGB.
@@ -177,8 +206,8 @@ def test_images_are_uint8_and_show_themselves(tmp_path, model):
 
 def test_compare_tells_what_the_command_tells(tmp_path, command, model, cloud):
     voxels, gaussians = vog.render(cloud, size=64), vog.render(model, size=64)
-    voxels.save(tmp_path / "a.exr")
-    gaussians.save(tmp_path / "b.exr")
+    voxels.save_values(tmp_path / "a.exr")
+    gaussians.save_values(tmp_path / "b.exr")
     report = json.loads(command("compare", "a.exr", "b.exr", "--json", "--diff", "a.png"))
     difference = vog.compare(voxels, gaussians)
     assert difference.psnr_db == difference.grey.psnr_db == pytest.approx(report["psnr_v_db"])
@@ -187,22 +216,28 @@ def test_compare_tells_what_the_command_tells(tmp_path, command, model, cloud):
     assert vog.compare_shaded(voxels, gaussians).psnr_db == pytest.approx(report["psnr_rgb_db"])
     vog.difference_map(voxels, gaussians).save(tmp_path / "b.png")
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-    assert vog.compare(voxels.shade(), gaussians.shade()).largest > 0
-    assert vog.difference_map(voxels.shade(), gaussians.shade(), bar=False).shape == (64, 64, 3)
-    with pytest.raises(TypeError):
-        vog.compare(voxels, gaussians.shade())
+    assert vog.compare(voxels.depth, gaussians).relative_l2 == difference.relative_l2
+    assert vog.compare(voxels.image, gaussians.image).largest > 0
+    assert vog.difference_map(voxels.image, gaussians.image, bar=False).shape == (64, 64, 3)
+    lights = [vog.render(data, size=64, show="volume") for data in (cloud, model)]
+    assert vog.compare(*lights).largest == vog.compare(lights[0].image, lights[1]).largest > 0
+    with pytest.raises(TypeError, match="got DepthImage and Image, expected two Pictures"):
+        vog.compare(voxels, gaussians.image)
+    with pytest.raises(TypeError, match="expected a Picture of T or a DepthImage"):
+        vog.compare_shaded(*lights)
     with pytest.raises(vog.Error):
         vog.compare(voxels, vog.render(model, size=32))
 
 
 def test_transfer_functions_come_from_anywhere(tmp_path, model):
-    depth = vog.render(model, size=32)
+    picture = vog.render(model, size=32)
+    depth = picture.depth
     inferno = vog.TransferFunction("inferno")
     assert "inferno" in vog.TransferFunction.names()
     assert np.allclose(inferno([[0, 1]]).shape, (1, 2, 4))
     inferno.save(tmp_path / "tf.json")
     pictures = [
-        depth.shade(tf)._repr_png_()
+        shaded._repr_png_()
         for tf in (
             inferno,
             "inferno",
@@ -212,8 +247,9 @@ def test_transfer_functions_come_from_anywhere(tmp_path, model):
             vog.TransferFunction.from_points("again", inferno.color),
             pickle.loads(pickle.dumps(inferno)),
         )
+        for shaded in (vog.render(model, size=32, tf=tf).image, picture.recolor(tf=tf).image, depth.shade(tf))
     ]
-    assert all(picture == pictures[0] for picture in pictures)
+    assert all(png == pictures[0] for png in pictures)
     red = vog.TransferFunction.from_colors([[1, 0, 0, 0], [1, 0, 0, 1]], "red")
     assert np.allclose(red(0.25), [1, 0, 0, 0.25]) and red.opacity.shape == (2, 2)
     assert np.array_equal(np.asarray(depth.shade(np.array([[0, 1, 0]]))).max(axis=(0, 1)), [0, 255, 0])
@@ -223,8 +259,10 @@ def test_transfer_functions_come_from_anywhere(tmp_path, model):
         (np.full((2, 3), 2.0), vog.Error),
         (3, TypeError),
     ):
-        with pytest.raises(error):
-            depth.shade(wrong)
+        for call in (lambda: depth.shade(wrong), lambda: vog.render(model, size=32, tf=wrong), lambda: picture.recolor(tf=wrong)):
+            with pytest.raises(error) as told:
+                call()
+            assert "\n" not in str(told.value)
 
 
 def test_paraviews_maps_are_read(tmp_path, model):
@@ -238,43 +276,19 @@ def test_matplotlibs_maps_are_taken(model):
     viridis = matplotlib.colormaps["viridis"]
     tf = vog.TransferFunction(viridis)
     assert tf.name == "viridis" and np.allclose(tf(np.arange(256) / 255), viridis(np.arange(256)), atol=1e-6)
-    depth = vog.render(model, size=32)
-    assert depth.shade(viridis)._repr_png_() == depth.shade(vog.TransferFunction.from_matplotlib("viridis"))._repr_png_()
-    ours, theirs = np.asarray(depth.shade("viridis"), int), np.asarray(depth.shade(viridis), int)
+    ours, theirs, same = (np.asarray(vog.render(model, size=32, tf=tf).image, int) for tf in ("viridis", viridis, vog.TransferFunction.from_matplotlib("viridis")))
+    assert np.array_equal(theirs, same)
     assert abs(ours - theirs).max() <= 2
-
-
-@pytest.mark.parametrize(
-    "options, message",
-    [
-        ({"size": (10, 20, 30)}, "expected pixels: 512 or"),
-        ({"size": 0}, "size"),
-        ({"size": 10.5}, "expected pixels"),
-        ({"renderer": "magic"}, "renderer 'magic', expected"),
-        ({"renderer": "reference"}, "renderer 'reference', expected"),
-        ({"extinction": "much"}, "expected a number > 0 or 'auto'"),
-        ({"extinction": -1}, "extinction"),
-        ({"interpolation": "linear"}, "interpolation is not for renderer 'splat'"),
-        ({"anyhit": "collect"}, "anyhit is not for renderer 'splat'"),
-        ({"renderer": "trace", "anyhit": "some"}, "expected 'accumulate' or 'collect'"),
-        ({"renderer": "trace", "anyhit": "collect", "stop_transmittance": 0.1}, "needs a number as extinction"),
-        ({"kappa": 2}, "kappa 2"),
-    ],
-)
-def test_options_are_refused_in_one_line(model, options, message):
-    with pytest.raises(vog.Error, match=message) as error:
-        vog.render(model, **options)
-    assert "\n" not in str(error.value)
 
 
 def test_gpu_renderers_draw_or_say_what_is_missing(model):
     for renderer in ("cuda", "optix"):
         try:
-            depth = vog.render(model, size=64, renderer=renderer)
+            picture = vog.render(model, size=64, renderer=renderer)
         except vog.Error as error:
-            assert str(error).startswith(renderer)
+            assert str(error).startswith(f"render: {renderer}")
         else:
-            assert vog.compare(vog.render(model, size=64), depth).relative_l2 < 1e-3
+            assert vog.compare(vog.render(model, size=64), picture).relative_l2 < 1e-3
 
 
 @pytest.mark.parametrize("renderer", ["cuda", "optix"])
@@ -283,7 +297,7 @@ def test_gpu_renderers_draw_fields_or_say_what_is_missing(model, renderer):
         try:
             on_gpu = draw(renderer)
         except vog.Error as error:
-            assert str(error).startswith(renderer) and "\n" not in str(error)
+            assert str(error).startswith(f"render: {renderer}") and "\n" not in str(error)
             return 0
         drawn, expected = number(on_gpu), number(draw("splat"))
         assert np.isfinite(expected).any() and np.mean(np.isnan(drawn) != np.isnan(expected)) < 0.01
@@ -292,8 +306,8 @@ def test_gpu_renderers_draw_fields_or_say_what_is_missing(model, renderer):
     field = model.fields["density"]
     maps = difference(lambda name: vog.render(model, size=48, show="mean", field="density", renderer=name), lambda m: m.mean)
     assert maps < 1e-3 * field.range[1]
-    assert difference(lambda name: vog.render_volume(model, size=48, renderer=name), lambda image: image.rgba) < 0.01
-    maximum = difference(lambda name: vog.render_maximum(model, size=48, renderer=name), np.asarray)
+    assert difference(lambda name: vog.render(model, size=48, show="volume", renderer=name), lambda picture: picture.image.rgba) < 0.01
+    maximum = difference(lambda name: vog.render(model, size=48, show="maximum", renderer=name), np.asarray)
     assert maximum < 0.01 * field.range[1]
     for options, message in (({"anyhit": "collect"}, "anyhit"), ({"samples": 2}, "samples")):
         with pytest.raises(vog.Error, match=f"{message}.*(is for T|is not for renderer '{renderer}')"):
@@ -417,15 +431,15 @@ def test_optix_draws_voxels_with_fields_and_clips_or_says_what_is_missing():
         try:
             drawn = number(draw("optix"))
         except vog.Error as error:
-            assert str(error).startswith("optix") and "\n" not in str(error)
+            assert str(error).startswith("render: optix") and "\n" not in str(error)
             return 0
         assert np.array_equal(np.isnan(drawn), np.isnan(expected))
         return np.nanmax(np.abs(drawn - expected))
 
     clip = [[1, 1, 1], [6, 6, 6]]
-    assert difference(lambda name: vog.render(volume, size=20, renderer=name, clip=clip, extinction=1, samples=2), lambda image: image.depth) < 1e-5
+    assert difference(lambda name: vog.render(volume, size=20, renderer=name, clip=clip, extinction=1, samples=2), np.asarray) < 1e-5
     assert difference(lambda name: vog.render(volume, size=20, renderer=name, show="mean", field="heat", fields=fields), lambda m: m.mean) < 1e-3
-    assert difference(lambda name: vog.render_volume(volume, size=20, renderer=name, light="head", clip=clip), lambda image: image.rgba) < 1e-5
-    assert difference(lambda name: vog.render_maximum(volume, size=20, renderer=name, field="heat", fields=fields), np.asarray) < 1e-3
+    assert difference(lambda name: vog.render(volume, size=20, show="volume", renderer=name, light="head", clip=clip), lambda picture: picture.image.rgba) < 1e-5
+    assert difference(lambda name: vog.render(volume, size=20, show="maximum", renderer=name, field="heat", fields=fields), np.asarray) < 1e-3
     with pytest.raises(vog.Error, match="interpolation is not for renderer 'optix', expected 'reference'"):
-        vog.render_volume(volume, size=20, renderer="optix", interpolation="linear")
+        vog.render(volume, size=20, show="volume", renderer="optix", interpolation="linear")

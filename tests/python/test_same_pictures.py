@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import vog
+from conftest import request_of, same_picture
 
 SHOWS = ("T", "column", "mean", "deviation", "maximum", "volume")
 
 
 @pytest.fixture(scope="module")
 def sources(tmp_path_factory):
-    """{kind: (data in Python, arguments of the command, field of the command, field and fields of Python)}"""
+    """{kind: (data in Python, arguments of the command)}"""
     folder = tmp_path_factory.mktemp("same")
     volume = vog.sample_cloud(64)
     volume.save(folder / "cloud.vdb")
@@ -23,61 +24,51 @@ def sources(tmp_path_factory):
         levels[n].name = "density"
         levels[n].save(folder / f"level{n}.vdb")
         names.append(folder / f"level{n}.vdb")
-    own = {"fields": {"density": "density"}}
     return {
-        "model": (vog.Gaussians.load(folder / "cloud.ply"), [folder / "cloud.ply"], {}),
-        "volume": (vog.Volume.load(folder / "cloud.vdb"), [folder / "cloud.vdb"], own),
-        "levels": (vog.Levels.load(names), names, own),
+        "model": (vog.Gaussians.load(folder / "cloud.ply"), [folder / "cloud.ply"]),
+        "volume": (vog.Volume.load(folder / "cloud.vdb"), [folder / "cloud.vdb"]),
+        "levels": (vog.Levels.load(names), names),
     }
-
-
-def numbers(file):
-    return np.load(file)
 
 
 @pytest.mark.parametrize("show", SHOWS)
 @pytest.mark.parametrize("kind", ["model", "volume", "levels"])
 def test_the_command_and_python_draw_the_same(command, tmp_path, sources, kind, show):
-    data, inputs, own = sources[kind]
+    data, inputs = sources[kind]
     field = ["--field", "density"] if show in ("mean", "deviation") else []
-    values = {"T": ["--depth-out", "t.exr"], "volume": []}.get(show, ["--values-out", "v.npy"])
+    values = [] if show == "volume" else ["--values-out", "v.npy"]
     command("render", *inputs, "--show", show, *field, *values, "-o", "command.png")
-    if show == "volume":
-        command("render", *inputs, "--show", show, "-o", "command.exr")
-        picture = vog.render_volume(data)
-        picture.save(tmp_path / "python.exr")
-        assert (tmp_path / "python.exr").read_bytes() == (tmp_path / "command.exr").read_bytes()
-    elif show == "T":
-        depth = vog.render(data)
-        depth.save(tmp_path / "python.exr")
-        assert (tmp_path / "python.exr").read_bytes() == (tmp_path / "t.exr").read_bytes()
-        picture = depth.shade()
-    elif show == "maximum":
-        assert np.array_equal(vog.render_maximum(data), numbers(tmp_path / "v.npy"), equal_nan=True)
-        return
-    else:
-        more = {"field": "density", **own} if field else {}
-        maps = vog.render(data, show=show, **more)
-        assert np.array_equal(maps.to_numpy(), numbers(tmp_path / "v.npy"), equal_nan=True)
-        picture = maps.plot(color_bar=False)
+    picture = vog.render(data, show=show, field="density" if field else "")
     picture.save(tmp_path / "python.png")
-    assert (tmp_path / "python.png").read_bytes() == (tmp_path / "command.png").read_bytes()
+    assert same_picture(tmp_path / "python.png", tmp_path / "command.png")
+    if show == "volume":  # whose numbers are colours
+        command("render", *inputs, "--show", show, "-o", "command.exr")
+        assert np.array_equal(vog.Image.load(tmp_path / "command.exr").rgba, picture.image.rgba)
+        assert np.array_equal(picture.values, picture.image.rgba[..., 3]) or picture.image.rgba[..., 3].min() == 1
+    else:
+        assert np.array_equal(picture.values, np.load(tmp_path / "v.npy"), equal_nan=True)
 
 
 @pytest.mark.parametrize("options, arguments", [
     (["--tf", "viridis"], {"tf": "viridis"}),
-    (["--tf", "viridis", "--range", "0.1,0.6"], {"tf": "viridis", "value_range": (0.1, 0.6)}),
+    (["--tf", "viridis", "--range", "0.1,0.6"], {"tf": "viridis", "range": (0.1, 0.6)}),
+    (["--scale", "linear", "--threshold", "0.2"], {"scale": "linear", "threshold": 0.2}),
     (["--window", "0.5,0.4"], {"window": (0.5, 0.4)}),
     (["--band", "0.1,0.3,#ff0000,0.2"], {"bands": [(0.1, 0.3, (1, 0, 0), 0.2)]}),
     (["--light", "head"], {"light": "head"}),
+    (["--light", "1,2,3", "--light-weights", "0.3,0.6,0.2,10"], {"light": (1, 2, 3), "light_weights": (0.3, 0.6, 0.2, 10)}),
     (["--renderer", "trace"], {"renderer": "trace"}),
+    (["--slabs", "7"], {"slabs": 7}),
     (["--clip-plane", "1,0,0,0"], {"clip_planes": [(1, 0, 0, 0)]}),
+    (["--unit-distance", "0.1", "--background", "white"], {"unit_distance": 0.1, "background": "white"}),
 ])  # fmt: skip
 def test_volumes_are_the_same_with_options(command, tmp_path, sources, options, arguments):
-    data, inputs, _ = sources["model"]
+    data, inputs = sources["model"]
     command("render", *inputs, "--show", "volume", "--size", "96x64", *options, "-o", "command.exr")
-    vog.render_volume(data, size=(96, 64), **arguments).save(tmp_path / "python.exr")
-    assert (tmp_path / "python.exr").read_bytes() == (tmp_path / "command.exr").read_bytes()
+    command("render", *inputs, "--show", "volume", "--size", "96x64", *options, "-o", "command.png")
+    picture = vog.render(data, size=(96, 64), show="volume", **arguments)
+    assert np.array_equal(picture.image.rgba, vog.Image.load(tmp_path / "command.exr").rgba)
+    assert picture.request == request_of(tmp_path / "command.png")
 
 
 def two_voxels(distance):
@@ -114,12 +105,12 @@ def test_fields_have_the_same_unit_distance_at_voxels_and_in_models(command, tmp
 
 
 def test_levels_have_volume_pictures_and_maxima_with_fields(sources):
-    levels, _, _ = sources["levels"]
+    levels, _ = sources["levels"]
     few = [levels[n] for n in range(len(levels))]
-    rendered = vog.render_volume(few, size=32)
-    assert np.array_equal(np.asarray(rendered), np.asarray(vog.render_volume(levels, size=32)))
-    assert np.asarray(rendered).max() > 0
+    rendered = vog.render(few, size=32, show="volume")
+    assert np.array_equal(rendered.image, vog.render(levels, size=32, show="volume").image)
+    assert 0 < rendered.values.max() <= 1
     heat = [np.broadcast_to(np.float32(n + 1), level.to_numpy().shape) for n, level in enumerate(few)]
     fields = {"heat": [(level.index_box[0], array) for level, array in zip(few, heat)]}
-    highest = vog.render_maximum(levels, size=32, field="heat", fields=fields)
+    highest = vog.render(levels, size=32, show="maximum", field="heat", fields=fields).values
     assert set(np.unique(highest[~np.isnan(highest)])) <= {1.0, 2.0, 3.0}

@@ -1,4 +1,4 @@
-// shown_request.h: what the window shows as the library's request, for copies and files of pictures.
+// shown_request.h: The window's picture as a request of the library, for copies and files of pictures.
 #pragma once
 
 #include "quantity/look.h"

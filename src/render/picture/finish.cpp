@@ -204,12 +204,12 @@ void write_numbers(const std::filesystem::path& file, const Picture& picture,
                    const std::string& record) {
     const Sums& sums = picture.sums;
     const Show show = picture.made.request.show;
-    if (show == Show::volume) throw Error("a volume picture has colours, no numbers");
     const bool exr = file.extension() == ".exr";
     if (is_depth(show)) {
         write_values(file, picture.depth(), record);
-    } else if (exr && show == Show::maximum) {
-        const NamedValues channels[] = {{"maximum", sums.maximum}};
+    } else if (exr && is_by_value(show)) {
+        const NamedValues channels[] = {
+            {show == Show::maximum ? "maximum" : "opacity", picture.values()}};
         write_channels(file, sums.width, sums.height, channels, record);
     } else if (exr) {
         const NamedValues channels[] = {

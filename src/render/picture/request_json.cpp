@@ -127,7 +127,8 @@ Json color_json(const Rgba& c) {
 }
 Rgba color_of(const std::string& key, const Json& value) {
     const std::string expected = "'black', 'white', 'transparent' or [r, g, b], each 0 to 1";
-    if (value.is_string()) return named_background(value.get<std::string>());
+    for (const char* name : {"black", "white", "transparent"})
+        if (value == name) return named_background(name);
     std::vector<double> c =
         row(key, value, value.is_array() && value.size() == 4 ? 4 : 3, expected);
     if (std::ranges::any_of(c, [](double part) { return !(part >= 0 && part <= 1); }))
@@ -291,7 +292,9 @@ const std::vector<Member>& members() {
         {"camera", [](const Request& r) { return r.camera ? camera_json(*r.camera) : Json(); },
          [](auto& key, auto& value, Request& r) {
              r.camera.reset();
-             if (!value.is_null()) r.camera = camera_of(value, key);
+             if (value.is_null()) return;
+             if (!value.is_object()) refuse(key, value, "an object with eye and look_at");
+             r.camera = camera_of(value, key);
          }},
         {"size",
          [](const Request& r) {
@@ -331,16 +334,22 @@ struct Effect {
     const char *keys, *shows;
 };
 constexpr Effect kEffects[] = {
-    {"field", "mean deviation volume maximum"},
-    {"range scale", "column mean deviation volume maximum"},
+    {"field", "mean, deviation, volume, maximum"},
+    {"range scale", "column mean, deviation, volume, maximum"},
     {"window bands threshold unit_distance light light_weights", "volume"},
-    {"units", "column mean deviation maximum"},
-    {"least_column", "mean deviation"},
+    {"units", "column, mean, deviation, maximum"},
+    {"least_column", "mean, deviation"},
     {"extinction blend stop_transmittance", "T"},
-    {"slabs", "volume maximum"},
+    {"slabs", "volume, maximum"},
 };
 bool names(const char* words, const std::string& one) {
-    return (" " + std::string(words) + " ").find(" " + one + " ") != std::string::npos;
+    const std::string all = words;
+    for (std::size_t at = 0; (at = all.find(one, at)) != std::string::npos; ++at) {
+        const bool begins = at == 0 || all[at - 1] == ' ';
+        const char after = at + one.size() < all.size() ? all[at + one.size()] : ' ';
+        if (begins && (after == ' ' || after == ',')) return true;
+    }
+    return false;
 }
 
 }  // namespace
@@ -348,14 +357,26 @@ bool names(const char* words, const std::string& one) {
 void require_effects(const PictureRequest& request) {
     const std::string show = word_of(request.show);
     const Json stated = Json::parse(request_json(request));
+    const auto refuse_beside = [&](const char* key, const std::string& other) {
+        if (stated.contains(key)) throw RequestError(key, " has no effect " + other);
+    };
     for (const auto& [keys, shows] : kEffects)
         for (const auto& [key, value] : stated.items())
             if (names(keys, key) && !names(shows, show))
                 throw RequestError(
-                    key,
-                    fmt::format(" has no effect on show '{}', expected one of {}", show, shows));
-    if (request.look.light || !stated.contains("light_weights")) return;
-    throw RequestError("light_weights", " has no effect without light");
+                    key, fmt::format(" has no effect on show '{}', expected one of {}", show,
+                                     std::string(shows)));
+    if (request.fit == ScaleFit::symmetric &&
+        (is_depth(request.show) || request.show == Show::volume))
+        refuse_beside("scale", fmt::format("as 'symmetric' on show '{}'", show));
+    const TransferRequest& transfer = request.transfer;
+    if (transfer.window && !transfer.bands.empty()) refuse_beside("window", "beside bands");
+    if (transfer.window || !transfer.bands.empty())
+        for (const char* key : {"tf", "range", "scale"})
+            refuse_beside(key, "beside window and bands, which state colours and values");
+    if (request.renderer == Renderer::trace || request.renderer == Renderer::reference)
+        refuse_beside("slabs", fmt::format("with renderer '{}'", info_of(*request.renderer).name));
+    if (!request.look.light) refuse_beside("light_weights", "without light");
 }
 
 std::vector<std::string> request_keys() {
