@@ -13,7 +13,7 @@
 #include "vog/gaussians.h"
 #include "vog/lod.h"
 #include "vog/model_io.h"
-#include "vog/reference.h"
+#include "vog/picture.h"
 #include "vog/vogz_fit.h"
 
 namespace vog::python {
@@ -220,16 +220,18 @@ Model load(const std::filesystem::path& file, const std::optional<std::size_t>& 
 
 /// Pictures of the voxels of a Volume or Levels.
 std::function<DepthImage(const Camera&, int)> pictures_of(const py::object& data) {
+    auto set = std::make_shared<VolumeSet>();
     if (py::isinstance<Volume>(data)) {
-        const VoxelGrid grid = voxel_grid(*data.cast<std::shared_ptr<Volume>>());
-        return [grid](const Camera& camera, int size) {
-            return render_reference(std::span(&grid, 1), camera, size, size);
-        };
+        set->volumes.push_back(data.cast<const Volume&>());
+    } else if (const auto levels = levels_of(data)) {
+        static_cast<Levels&>(*set) = *levels;
+        set->overlap = Overlap::hide;
+    } else {
+        refuse_data(data, "save", "a Volume or Levels as reference");
     }
-    const std::shared_ptr<const Levels> levels = levels_of(data);
-    if (!levels) refuse_data(data, "save", "a Volume or Levels as reference");
-    return [grids = level_grids(*levels)](const Camera& camera, int size) {
-        return render_reference(grids, camera, size, size);
+    auto renderer = std::make_shared<PictureRenderer>(scene_of(std::move(set)));
+    return [renderer](const Camera& camera, int size) {
+        return bare_depth(*renderer, {.camera = camera, .width = size, .height = size});
     };
 }
 

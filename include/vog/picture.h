@@ -284,6 +284,9 @@ struct Picture {
 Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene);
 /// One picture: resolve, draw and finish.
 [[nodiscard]] Picture render(const Scene& scene, const PictureRequest& request = {});
+/// T at extinction 1 of a request for T or a column, without colours and marks: resolve and draw.
+[[nodiscard]] DepthImage bare_depth(PictureRenderer& renderer, const PictureRequest& request,
+                                    const Progress& progress = {});
 /// Writes the numbers of a picture: .npy, or .exr with a channel Y (T, column), "maximum", "opacity" (of a volume), or all three of
 /// column, mean and deviation.
 /// throws  vog::Error as write_values does

@@ -19,7 +19,7 @@
 #include "films/film.h"
 #include "help/version.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
+#include "vog/picture.h"
 #include "vog/progress.h"
 #include "vog/text.h"
 
@@ -93,13 +93,15 @@ ReportJson found_by(const Try& attempt) {
     }
 }
 
-/// A model of one Gaussian: renderers of the GPU say in their constructors what they lack.
-Gaussians one_gaussian() {
+/// Prepares one Gaussian for a renderer.
+/// throws  vog::Error without the GPU or the library that it needs
+void try_renderer(Renderer renderer) {
     Gaussians model;
     model.mean.push_back({0, 0, 0});
     model.scale.push_back({1, 1, 1});
     model.density.push_back(1);
-    return model;
+    const Scene scene = scene_of(std::move(model));
+    PictureRenderer(scene).prepare(resolve({.renderer = renderer}, scene));
 }
 
 struct OptionalLibrary {
@@ -191,11 +193,11 @@ ReportJson machine_report(const std::function<std::string()>& open_gl) {
          })},
         {"display", display()},
         {"cuda", found_by([] {
-             (void)CudaSplat(one_gaussian());
+             try_renderer(Renderer::cuda);
              return "an NVIDIA GPU: --renderer cuda";
          })},
         {"optix", found_by([] {
-             (void)OptixModel(one_gaussian());
+             try_renderer(Renderer::optix);
              return "an NVIDIA GPU with OptiX: --renderer optix";
          })},
         {"libraries", libraries()}};

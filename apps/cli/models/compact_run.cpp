@@ -10,7 +10,7 @@
 #include "shared/inputs.h"
 #include "vog/error.h"
 #include "vog/lod.h"
-#include "vog/reference.h"
+#include "vog/picture.h"
 #include "vog/vogz_fit.h"
 
 namespace vog::cli {
@@ -19,17 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Volumes of --reference, as grids for rays.
-struct Reference {
-    std::vector<VoxelGrid> grids;
-    std::optional<LevelGrids> levels;
-
-    DepthImage render(const Camera& camera, int size) const {
-        return levels ? render_reference(*levels, camera, size, size)
-                      : render_reference(grids, camera, size, size);
-    }
-};
-
 /// FILE or FILE:GRID.
 std::pair<std::string, std::string> file_and_grid(const std::string& text) {
     const std::size_t colon = text.rfind(':');
@@ -37,7 +26,8 @@ std::pair<std::string, std::string> file_and_grid(const std::string& text) {
     return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-Reference load_reference(const std::vector<std::string>& texts, const ValueRules& rules) {
+/// Volumes of --reference.
+PictureRenderer load_reference(const std::vector<std::string>& texts, const ValueRules& rules) {
     std::vector<std::string> files;
     VolumeInputOptions options;
     options.values = rules;
@@ -52,14 +42,9 @@ Reference load_reference(const std::vector<std::string>& texts, const ValueRules
     for (const std::string& file : files)
         if (kind_of(file, options.grid) != FileKind::volume)
             throw Error(fmt::format("--reference {}: expected a volume (.vdb, .nvdb)", file));
-    const LoadedVolumes set = load_volumes(files, options);
+    LoadedVolumes set = load_volumes(files, options);
     print_notes(set.notes);
-    Reference reference;
-    if (set.is_mesh())
-        reference.levels = level_grids(set);
-    else
-        for (const Volume& volume : set.volumes) reference.grids.push_back(voxel_grid(volume));
-    return reference;
+    return PictureRenderer(scene_of(std::make_shared<const VolumeSet>(std::move(set))));
 }
 
 VogzFit fit(const Gaussians& model, const CompactArguments& arguments) {
@@ -67,8 +52,10 @@ VogzFit fit(const Gaussians& model, const CompactArguments& arguments) {
     bound.max_loss_db = arguments.max_loss_db;
     if (arguments.model_psnr_db > 0) bound.model_psnr_db = arguments.model_psnr_db;
     if (arguments.reference.empty()) return fit_vogz(model, bound);
-    const Reference reference = load_reference(arguments.reference, arguments.values);
-    bound.data = [&](const Camera& camera, int size) { return reference.render(camera, size); };
+    PictureRenderer reference = load_reference(arguments.reference, arguments.values);
+    bound.data = [&](const Camera& camera, int size) {
+        return bare_depth(reference, {.camera = camera, .width = size, .height = size});
+    };
     return fit_vogz(model, bound);
 }
 

@@ -316,7 +316,7 @@ WholeError error_of(const std::vector<InputPart>& parts, const Box& box, const R
     std::vector<Volume> volumes;
     for (const InputPart& part : parts)
         volumes.insert(volumes.end(), part.volumes.begin(), part.volumes.end());
-    return {volumes, box, ranks};
+    return {std::move(volumes), box, ranks};
 }
 
 /// Uniform cells are hard unless soft steps are given: overlapping cells, the default of vog

@@ -5,38 +5,49 @@
 #include <cmath>
 
 #include "vog/error.h"
-#include "vog/reference.h"
-#include "vog/splat.h"
+#include "vog/picture.h"
 
 namespace vog::mpi {
 
-WholeError::WholeError(std::span<const Volume> volumes, const Box& box, const Ranks& ranks)
+namespace {
+
+template <class Data>
+PictureRenderer renderer_of(Data data) {
+    Scene scene;
+    scene.sources.push_back(std::move(data));
+    return PictureRenderer(std::move(scene));
+}
+
+/// Picture of one view.
+PictureRequest request_of(const Camera& camera) {
+    return {.camera = camera, .width = kErrorViewSize_px, .height = kErrorViewSize_px};
+}
+
+}  // namespace
+
+WholeError::WholeError(std::vector<Volume> volumes, const Box& box, const Ranks& ranks)
     : ranks_(ranks), cameras_(error_views(volumes, box, &ranks.collective())) {
-    const auto grids_of = [&](const VoxelGridOptions& options) {
-        std::vector<VoxelGrid> grids;
-        for (const Volume& volume : volumes) grids.push_back(voxel_grid(volume, options));
-        return grids;
-    };
-    const auto picture_of = [](const std::vector<VoxelGrid>& grids, const Camera& camera) {
-        return render_reference(grids, camera, kErrorViewSize_px, kErrorViewSize_px);
-    };
-    std::vector<VoxelGrid> grids = grids_of({});
+    auto set = std::make_shared<VolumeSet>();
+    set->volumes = std::move(volumes);
+    PictureRenderer renderer = renderer_of(VoxelSource{std::move(set), {}});
     for (const Camera& camera : cameras_) {
-        references_.push_back(picture_of(grids, camera));
+        references_.push_back(bare_depth(renderer, request_of(camera)));
         ranks.sum_at_first(references_.back());
     }
-    grids = grids_of({Interpolation::linear, 0});
-    interpolation_ = of([&](const Camera& camera) { return picture_of(grids, camera); });
+    interpolation_ = of([&](const Camera& camera) {
+        PictureRequest request = request_of(camera);
+        request.options.voxels = {Interpolation::linear, 0};
+        return bare_depth(renderer, request);
+    });
 }
 
 RelativeError WholeError::of(const std::vector<Gaussians>& models) const {
     Gaussians model;
     for (const Gaussians& one : models)
         if (one.size() > 0) append(model, one);
-    SplatRenderer renderer(model);
-    return of([&](const Camera& camera) {
-        return renderer.render(camera, kErrorViewSize_px, kErrorViewSize_px);
-    });
+    PictureRenderer renderer =
+        renderer_of(ModelSource{std::make_shared<const Gaussians>(std::move(model))});
+    return of([&](const Camera& camera) { return bare_depth(renderer, request_of(camera)); });
 }
 
 RelativeError WholeError::of(const std::function<DepthImage(const Camera&)>& picture_of) const {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <span>
 #include <vector>
 
 #include "ranks.h"
@@ -19,7 +18,7 @@ class WholeError {
   public:
     /// volumes  of this rank; their T add up
     /// box      of the whole data, world space: frames the views
-    WholeError(std::span<const Volume> volumes, const Box& box, const Ranks& ranks);
+    WholeError(std::vector<Volume> volumes, const Box& box, const Ranks& ranks);
     /// models   of this rank
     /// returns  the same on every rank
     /// throws   vog::Error, on every rank, if no view shows anything

@@ -67,7 +67,7 @@ class GlSplat {
     GlProgram program_;
 };
 
-/// T of a model as render_splat computes it, rendered by OpenGL: one call for one image.
+/// T of a model as Renderer::splat draws it, rendered by OpenGL: one call for one image.
 DepthImage render_gl(const Gaussians& gaussians, const Camera& camera, int width, int height,
                      int subframes = 1);
 

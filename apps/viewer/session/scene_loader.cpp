@@ -13,7 +13,7 @@
 #include "vog/compare.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"
-#include "vog/splat.h"
+#include "vog/picture.h"
 #include "vog/text.h"
 
 namespace vog::viewer {
@@ -311,22 +311,15 @@ void SceneLoader::convert_levels(const Composite& data, const VoxelData& voxels_
 
 namespace {
 
-DepthImage voxel_depth(const vog::Scene& voxels, const Camera& camera, int size,
-                       const Progress& progress) {
-    PictureRequest request;
-    request.camera = camera;
-    request.width = request.height = size;
-    request.extinction = 1;
-    const ResolvedPicture picture = resolve(request, voxels);
-    Sums sums;
-    PictureRenderer(voxels).draw(picture, sums, progress);
-    return finish(std::move(sums), picture, voxels).depth();
+DepthImage depth_of(const vog::Scene& data, const Camera& camera, const Progress& progress = {}) {
+    constexpr int kSize = 256;
+    PictureRenderer renderer(data);
+    return bare_depth(renderer, {.camera = camera, .width = kSize, .height = kSize}, progress);
 }
 
 }  // namespace
 
 void SceneLoader::measure_levels() {
-    constexpr int kSize = 256;
     begin("measuring: the truth");
     Scene scene;
     {
@@ -334,15 +327,12 @@ void SceneLoader::measure_levels() {
         scene = scene_;
     }
     const Camera camera = paper_view(scene.subject.box);
-    DepthImage truth;
-    if (scene.voxels)
-        truth = voxel_depth(scene.voxels->whole, camera, kSize, progress());
-    else
-        truth = render_splat(*scene.levels.back().model, camera, kSize, kSize);
+    DepthImage truth = scene.voxels ? depth_of(scene.voxels->whole, camera, progress())
+                                    : depth_of(scene_of(scene.levels.back().model), camera);
     set_extinction(truth, auto_extinction(truth));
     for (std::size_t n = 0; n < scene.levels.size(); ++n) {
         begin("measuring: " + scene.levels[n].name);
-        const DepthImage image = render_splat(*scene.levels[n].model, camera, kSize, kSize);
+        const DepthImage image = depth_of(scene_of(scene.levels[n].model), camera);
         const double psnr_db = compare(truth, image).grey.psnr_db;
         const std::lock_guard lock(mutex_);
         scene_.levels[n].psnr_db = psnr_db;

@@ -137,4 +137,14 @@ Picture render(const Scene& scene, const PictureRequest& request) {
     return finish(std::move(sums), picture, scene);
 }
 
+DepthImage bare_depth(PictureRenderer& renderer, const PictureRequest& request,
+                      const Progress& progress) {
+    Sums sums;
+    renderer.draw(resolve(request, renderer.scene()), sums, progress);
+    DepthImage image;
+    image.width = sums.width, image.height = sums.height;
+    image.depth = std::move(sums.column);
+    return image;
+}
+
 }  // namespace vog
