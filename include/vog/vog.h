@@ -23,10 +23,6 @@
 //            scene.h            what there is to draw: models or voxels with their fields
 //            splat.h            T of Gaussians on the CPU, the default
 //            trace.h            T of Gaussians on the CPU by ray tracing
-//            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
-//            gpu_pictures.h     fields, values and clips of Gaussians on the GPU
-//            gpu_volumes.h      fields, values and clips of voxels on the GPU
-//            gpu_sums.h         pictures that stay in GPU memory, for OpenGL
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
 //            maximum_picture.h  maximum intensity projections
@@ -64,10 +60,6 @@
 #include "vog/field_maps.h"
 #include "vog/fields.h"
 #include "vog/gaussians.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
-#include "vog/gpu_sums.h"
-#include "vog/gpu_volumes.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/linear.h"

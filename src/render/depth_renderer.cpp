@@ -1,10 +1,10 @@
 // depth_renderer.cpp: DepthRenderer: one class for each renderer and the data it holds.
 #include "render/by_value/clipped_depth.h"
+#include "render/gpu/chords/gpu_pictures.h"
+#include "render/gpu/gpu.h"
+#include "render/gpu/voxels/gpu_volumes.h"
 #include "render/pixel_limits.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
-#include "vog/gpu_volumes.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
 

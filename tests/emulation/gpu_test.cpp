@@ -9,10 +9,10 @@
 #include <set>
 
 #include "emulation/emulation.h"
+#include "render/gpu/gpu.h"
 #include "support/level_volumes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
-#include "vog/gpu.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
 #include "vog/reference.h"

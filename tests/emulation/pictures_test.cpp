@@ -8,11 +8,11 @@
 #include <cstdint>
 
 #include "emulation/emulation.h"
+#include "render/gpu/chords/gpu_pictures.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
-#include "vog/gpu_pictures.h"
 
 namespace vog::test {
 

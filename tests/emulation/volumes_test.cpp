@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "emulation/emulation.h"
+#include "render/gpu/voxels/gpu_volumes.h"
 #include "support/emulated_gpu.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/refusal.h"
 #include "vog/distributed.h"
-#include "vog/gpu_volumes.h"
 #include "vog/renderer.h"
 
 namespace vog::test {

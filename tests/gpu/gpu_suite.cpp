@@ -14,8 +14,8 @@
 
 #include "option_checks.h"
 #include "pfm.h"
+#include "render/gpu/gpu.h"
 #include "support/scenes.h"
-#include "vog/gpu.h"
 #include "vog/ply.h"
 
 namespace vog::test {

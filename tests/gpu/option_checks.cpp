@@ -10,9 +10,9 @@
 
 #include "option_scene.h"
 #include "pfm.h"
+#include "render/gpu/chords/gpu_pictures.h"
+#include "render/gpu/gpu.h"
 #include "support/scenes.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
 #include "vog/ply.h"
 
 namespace vog::test {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "option_checks.h"
+#include "render/gpu/voxels/gpu_volumes.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/field_moments.h"
 #include "support/random_volume.h"
-#include "vog/gpu_volumes.h"
 
 namespace vog::test {
 

@@ -10,11 +10,11 @@
 #include <ostream>
 #include <random>
 
+#include "render/gpu/chords/gpu_pictures.h"
 #include "support/emulated_gpu.h"
 #include "support/expected_maps.h"
 #include "support/scenes.h"
 #include "vog/error.h"
-#include "vog/gpu_pictures.h"
 #include "vog/renderer.h"
 
 namespace vog::test {

@@ -1,10 +1,10 @@
-// emulated_gpu.cpp: The renderers of vog/gpu.h over every way of traversing a hierarchy.
+// emulated_gpu.cpp: The renderers of a GPU over every way of traversing a hierarchy.
 #include "support/emulated_gpu.h"
 
 #ifdef VOG_EMULATED_GPU
 
 #include "emulation/emulation.h"
-#include "vog/gpu.h"
+#include "render/gpu/gpu.h"
 
 namespace vog::test {
 

@@ -3,13 +3,13 @@
 #include <chrono>
 #include <thread>
 
+#include "render/gpu/chords/gpu_pictures.h"
+#include "render/gpu/gpu.h"
 #include "session/picture.h"
 #include "session/session.h"
 #include "support/emulated_gpu.h"
 #include "viewer/field_model.h"
 #include "viewer/headless.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
 
 namespace vog::test {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "gl/gl_objects.h"
-#include "vog/gpu_sums.h"
+#include "render/gpu/sums/gpu_sums.h"
 
 namespace vog::viewer {
 

@@ -9,9 +9,9 @@
 #include <map>
 #include <utility>
 
+#include "render/gpu/chords/gpu_pictures.h"
+#include "render/gpu/gpu.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
 #include "vog/splat.h"
 
 namespace vog::viewer {

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "quantity/quantity.h"
+#include "render/gpu/sums/gpu_sums.h"
 #include "session/renderer_names.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
-#include "vog/gpu_sums.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
 #include "vog/voxel_field.h"

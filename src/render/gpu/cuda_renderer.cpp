@@ -2,9 +2,9 @@
 #include "render/gpu/cuda_memory.h"
 #include "render/gpu/cuda_model.h"
 #include "render/gpu/cuda_passes.h"
+#include "render/gpu/gpu.h"
 #include "render/gpu/sums/sums_memory.h"
 #include "render/trace/trace_model.h"
-#include "vog/gpu.h"
 
 namespace vog {
 

@@ -1,10 +1,10 @@
-// gpu_absent.cpp: The classes of vog/gpu.h in builds without CUDA or OptiX: constructors that throw.
+// gpu_absent.cpp: The classes of the GPU renderers in builds without CUDA or OptiX: constructors that throw.
 #include "render/gpu/chords/chord_tracer.h"
+#include "render/gpu/chords/gpu_pictures.h"
+#include "render/gpu/gpu.h"
+#include "render/gpu/sums/gpu_sums.h"
+#include "render/gpu/voxels/gpu_volumes.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
-#include "vog/gpu_sums.h"
-#include "vog/gpu_volumes.h"
 
 namespace vog {
 

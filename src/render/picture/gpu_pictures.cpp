@@ -3,12 +3,12 @@
 
 #include <optional>
 
+#include "render/gpu/chords/gpu_pictures.h"
+#include "render/gpu/gpu.h"
+#include "render/gpu/voxels/gpu_volumes.h"
 #include "render/picture/source_renderer.h"
 #include "render/pixel_limits.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
-#include "vog/gpu_pictures.h"
-#include "vog/gpu_volumes.h"
 
 namespace vog::pictures {
 

@@ -5,11 +5,11 @@
 #include <set>
 #include <string>
 
+#include "render/gpu/gpu.h"
 #include "render/gpu/optix/optix_entry_points.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
 
 namespace vog::test {
 

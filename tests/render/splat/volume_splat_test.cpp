@@ -6,11 +6,11 @@
 #include <cmath>
 #include <functional>
 
+#include "render/gpu/chords/gpu_pictures.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
 #include "support/scenes.h"
 #include "vog/error.h"
-#include "vog/gpu_pictures.h"
 #include "vog/volume_picture.h"
 
 namespace vog {

@@ -1,5 +1,5 @@
 // gpu_pictures.cpp: GpuPictures: a model in GPU memory, and the arguments of pictures of chords.
-#include "vog/gpu_pictures.h"
+#include "render/gpu/chords/gpu_pictures.h"
 
 #include <fmt/core.h>
 

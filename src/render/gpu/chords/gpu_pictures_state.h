@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "render/gpu/chords/chord_tracer.h"
+#include "render/gpu/chords/gpu_pictures.h"
 #include "render/gpu/cuda_memory.h"
 #include "render/gpu/cuda_passes.h"
 #include "render/gpu/sums/sums_memory.h"
 #include "render/shown_field.h"
 #include "render/trace/trace_model.h"
-#include "vog/gpu_pictures.h"
 
 namespace vog {
 

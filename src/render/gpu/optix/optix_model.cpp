@@ -6,12 +6,12 @@
 
 #include "render/gpu/cuda_passes.h"
 #include "render/gpu/cuda_splat.h"
+#include "render/gpu/gpu.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
 #include "render/gpu/sums/sums_memory.h"
 #include "render/trace/trace_options.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
 
 namespace vog {
 

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
+#include "render/gpu/gpu.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/voxels/voxel_scene.h"
 #include "vog/error.h"
-#include "vog/gpu.h"
 
 namespace vog {
 

@@ -1,4 +1,4 @@
-// sums_kernels.h: The last pass of pictures that stay in GPU memory: means over rays, in the layout of vog/gpu_sums.h. The kernel
+// sums_kernels.h: The last pass of pictures that stay in GPU memory: means over rays, in the layout of gpu_sums.h. The kernel
 // is compiled by nvcc (sums_kernels.cu); this interface has plain pointers only.
 #pragma once
 

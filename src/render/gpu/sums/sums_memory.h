@@ -1,9 +1,9 @@
-// sums_memory.h: Memory of vog/gpu_sums.h.
+// sums_memory.h: Memory of gpu_sums.h.
 #pragma once
 
 #include "render/gpu/cuda_memory.h"
+#include "render/gpu/sums/gpu_sums.h"
 #include "render/gpu/sums/sums_kernels.h"
-#include "vog/gpu_sums.h"
 
 namespace vog {
 

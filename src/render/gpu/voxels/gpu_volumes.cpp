@@ -1,5 +1,5 @@
 // gpu_volumes.cpp: GpuVolumes: volumes as NanoVDB grids, and pictures from the sums of their rays.
-#include "vog/gpu_volumes.h"
+#include "render/gpu/voxels/gpu_volumes.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
-// vog/gpu_volumes.h: Pictures of voxels on an NVIDIA GPU by OptiX, the paper's SciVis pipeline: the quantities of vog/reference.h,
-// vog/field_maps.h, vog/volume_picture.h and vog/maximum_picture.h, by the same formulas, in double precision.
+// gpu_volumes.h: Pictures of voxels on an NVIDIA GPU by OptiX, the paper's SciVis pipeline: the quantities of vog/reference.h,
+// field_maps.h, vog/volume_picture.h and vog/maximum_picture.h, by the same formulas, in double precision.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// vog/gpu_sums.h: Pictures that stay in GPU memory, as sums per pixel, and OpenGL buffers that receive them there: a window
+// gpu_sums.h: Pictures that stay in GPU memory, as sums per pixel, and OpenGL buffers that receive them there: a window
 // shows them without host memory between.
 #pragma once
 
