@@ -8,6 +8,9 @@
 #include <cmath>
 #include <string>
 
+#include "render/reference/reference.h"
+#include "render/shown_field.h"
+#include "render/splat/fields/field_splat.h"
 #include "support.h"
 #include "vog/convert_moments.h"
 #include "vog/field_maps.h"

@@ -7,13 +7,13 @@
 
 #include <map>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "support.h"
 #include "vog/compare.h"
 #include "vog/convert_moments.h"
 #include "vog/progress.h"
-#include "vog/reference.h"
 #include "vog/shade.h"
-#include "vog/splat.h"
 
 namespace {
 

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "../tests/support/ray_voxels.h"
+#include "render/reference/reference.h"
 #include "support.h"
-#include "vog/reference.h"
 
 namespace {
 

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "render/splat/splat_kernels.h"
 #include "render/trace/small_gaussians.h"
 #include "support.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
-#include "vog/reference.h"
-#include "vog/splat.h"
 
 namespace {
 

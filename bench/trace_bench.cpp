@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "support.h"
 #include "vog/convert_moments.h"
-#include "vog/splat.h"
-#include "vog/trace.h"
 
 namespace {
 

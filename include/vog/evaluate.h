@@ -1,6 +1,6 @@
 // vog/evaluate.h: evaluation of conversions: the paper's tables 1 to 4 and both figures for any
 // volume. Each conversion makes a model, a row of the results; it is rendered from seven views and
-// compared with exact integration of the voxels (vog/reference.h). Results: JSON, Markdown and an
+// compared with exact integration of the voxels (Renderer::reference). Results: JSON, Markdown and an
 // HTML page. Protocol: docs/evaluation.md.
 // T: optical depth; V = 1 - exp(-T), compared as 8-bit grey; RGB: T shaded by the transfer
 // function. All are at the extinction (factor on density) of the view.

@@ -12,11 +12,11 @@
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/lod.h"
-#include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "vog/shade.h"
 #include "vog/value_transfer.h"
 #include "vog/vogz.h"
+#include "vog/volume_picture.h"
 
 namespace vog {
 

@@ -188,7 +188,8 @@ struct PictureRequest {
     int width = 512, height = 512;   ///< pixels
     std::optional<Renderer> renderer{};  ///< nothing: splat of models, reference of voxels
     RenderOptions options{};             ///< options of the renderer, and the clip
-    std::optional<int> slabs{};  ///< depth slabs of volume and maximum; nothing: 32, kMaximumSlabs
+    std::optional<int>
+        slabs{};  ///< depth slabs of volume and maximum; nothing: kVolumeSlabs, kMaximumSlabs
     Marks marks{};
 };
 
@@ -232,7 +233,7 @@ struct Sums {
     std::vector<float> column;           ///< T at extinction 1
     std::vector<float> mean, deviation;  ///< as FieldMaps
     std::vector<float> maximum;          ///< NaN where nothing is
-    std::vector<Rgba> light;             ///< as VolumeImage
+    std::vector<Rgba> light;             ///< premultiplied colour, no background
 };
 
 /// Facts on the last picture.

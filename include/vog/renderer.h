@@ -2,6 +2,7 @@
 // with each, and data prepared once to be drawn from any number of cameras.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,23 +11,22 @@
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
-#include "vog/reference.h"
-#include "vog/trace.h"
 
 namespace vog {
 
-/// Algorithms that compute optical depth T.
+/// Algorithms that draw pictures.
 enum class Renderer {
-    splat,      ///< SplatRenderer
-    trace,      ///< render_trace
-    cuda,       ///< CudaSplat
-    optix,      ///< OptixModel, GpuVolumes
-    reference,  ///< render_reference
+    splat,      ///< Gaussians on the CPU, in object order, exact (docs/method.md)
+    trace,      ///< Gaussians on the CPU, by the paper's rays (docs/ray_tracing.md)
+    cuda,       ///< Gaussians on an NVIDIA GPU, as splat (docs/gpu.md)
+    optix,      ///< Gaussians and voxels on an NVIDIA GPU, by the paper's two pipelines
+    reference,  ///< voxels on the CPU, exact for voxels of constant value: the ground truth
 };
 
 /// Data of one kind. Particles are Gaussians, one each.
@@ -56,6 +56,48 @@ Renderer renderer_named(std::string_view name);
 /// throws vog::Error naming the renderers for this input
 Renderer renderer_for(std::string_view name, RenderInput input);
 
+/// SIMD targets of the splat renderer that this machine can run, best first: "AVX2", ..., "scalar".
+std::vector<std::string> splat_targets();
+
+/// Any-hit program: the treatment of each intersection of a ray with a Gaussian.
+enum class AnyHit {
+    accumulate,  ///< adds its optical depth at once: T is a sum, independent of order
+    collect,     ///< the paper's: gathers hits, sorts them by entry, integrates front to back
+};
+
+/// Options of rays through Gaussians.
+struct TraceOptions {
+    AnyHit anyhit = AnyHit::accumulate;  ///< treatment of hits
+    int hits_per_slab = 64;  ///< capacity of the hit buffer of a collecting ray, [1, 256]
+    /// Transmittance exp(-extinction T) below which a collecting ray ends, [0, 1); 0: never. The
+    /// paper's `if T > 0.999 or T < 0.001, break`, read as transmittance, is 0.001.
+    double stop_transmittance = 0;
+    double extinction = 1;  ///< factor on density in the transmittance, > 0
+    Progress progress{};    ///< called with the finished fraction of the picture
+};
+
+/// Counts over the rays of one picture.
+struct TraceReport {
+    std::uint64_t hits = 0;   ///< Gaussians added, summed over all rays
+    std::uint64_t slabs = 0;  ///< hit buffers integrated by collecting rays, summed over all rays
+    int most_slabs = 0;       ///< largest number of slabs of one ray
+};
+
+/// Field between voxel centres.
+enum class Interpolation {
+    constant,  ///< each active voxel fills its box [i-1/2, i+1/2]^3 with its value
+    linear,    ///< trilinear between voxel centres, inactive voxels being 0
+};
+
+/// Interpolation of the reference.
+struct VoxelGridOptions {
+    Interpolation interpolation = Interpolation::constant;
+    /// Spacing of samples along a ray, in voxels, for linear interpolation (midpoint rule, error
+    /// proportional to its square). 0: exact, two Gauss points in each cell between voxel centres,
+    /// where the field along a ray is a cubic.
+    double step_voxels = 0.25;
+};
+
 /// Options of all renderers; one that the chosen renderer lacks is an error.
 struct RenderOptions {
     /// Half edges of the paper's bounding boxes, in its radii (scale sqrt(2)), >= 0; 0: no boxes.
@@ -70,8 +112,9 @@ struct RenderOptions {
     /// Any-hit program, hits per slab and end of rays of trace and optix; progress is not used.
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
-    int samples = 1;            ///< ReferenceOptions::samples; for reference and optix
-    Clipping clip{};            ///< space that counts; for all renderers
+    /// N: a pixel is the mean of N x N rays, through the centres of N x N equal parts of it, [1, 64]. For reference and optix.
+    int samples = 1;
+    Clipping clip{};  ///< space that counts; for all renderers
 };
 
 /// One member of RenderOptions that some renderers have and others lack.

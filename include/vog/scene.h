@@ -34,9 +34,10 @@ struct SampledField {
 struct VoxelSource {
     std::shared_ptr<const VolumeSet> volumes;
     std::vector<SampledField> fields;
-    // For several processes that share them, as OtherVoxels (vog/volume_picture.h) has it.
-    bool overlap = true;
-    std::vector<Volume> beside{};            ///< [volumes], or none
+    // For several processes that share them (Scene::collective).
+    bool overlap = true;  ///< whether volumes may overlap those of other processes
+    /// [volumes] voxels next to this process's, on the same lattice, for light by gradients; or none
+    std::vector<Volume> beside{};
     std::vector<VoxelField> beside_field{};  ///< [beside]
 };
 

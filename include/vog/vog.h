@@ -21,13 +21,11 @@
 //            lod.h              levels of detail: hierarchies, cuts by view, coarser models
 //   render   picture.h          a picture: request, defaults, renderer, numbers and colours
 //            scene.h            what there is to draw: models or voxels with their fields
-//            splat.h            T of Gaussians on the CPU, the default
-//            trace.h            T of Gaussians on the CPU by ray tracing
-//            reference.h        T of the voxels themselves, the ground truth
-//            renderer.h         all of these renderers by name
-//            maximum_picture.h  maximum intensity projections
-//            volume_picture.h   emission and absorption by value
+//            renderer.h         renderers by name, and their options
+//            field_maps.h       maps of a field: column, mean and deviation
+//            volume_picture.h   light of volume rendering
 //            clip.h             boxes and planes that cut pictures
+//            periodic.h         periodic boxes of simulations
 //   shade    shade.h            T to colours by a transfer function
 //            quantity.h         column density maps, colour bars, values as files
 //            value_transfer.h   transfer functions of a field's values
@@ -64,7 +62,6 @@
 #include "vog/levels.h"
 #include "vog/linear.h"
 #include "vog/lod.h"
-#include "vog/maximum_picture.h"
 #include "vog/memory.h"
 #include "vog/model_io.h"
 #include "vog/periodic.h"
@@ -75,16 +72,13 @@
 #include "vog/progress.h"
 #include "vog/quantity.h"
 #include "vog/rate_distortion.h"
-#include "vog/reference.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"
 #include "vog/scene.h"
 #include "vog/shade.h"
 #include "vog/site.h"
-#include "vog/splat.h"
 #include "vog/temporary_file.h"
 #include "vog/text.h"
-#include "vog/trace.h"
 #include "vog/value_transfer.h"
 #include "vog/vogz.h"
 #include "vog/vogz_fit.h"

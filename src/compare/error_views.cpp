@@ -11,11 +11,11 @@
 
 #include "compare/error_shares.h"
 #include "compare/view_boxes.h"
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "shade/named_extinction.h"
 #include "vog/error.h"
-#include "vog/reference.h"
 #include "vog/shade.h"
-#include "vog/splat.h"
 
 namespace vog {
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "render/splat/splat.h"
 #include "vog/camera.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
-#include "vog/splat.h"
 
 namespace vog {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "render/splat/splat.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 
 namespace vog {
 

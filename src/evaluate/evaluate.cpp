@@ -16,13 +16,13 @@
 #include "evaluate/evaluation_report.h"
 #include "evaluate/fields/field_comparison.h"
 #include "evaluate/values/value_comparison.h"
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "shade/named_extinction.h"
 #include "vog/compare.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
-#include "vog/reference.h"
-#include "vog/splat.h"
 
 namespace vog {
 

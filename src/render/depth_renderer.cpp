@@ -4,9 +4,9 @@
 #include "render/gpu/gpu.h"
 #include "render/gpu/voxels/gpu_volumes.h"
 #include "render/pixel_limits.h"
+#include "render/splat/splat.h"
 #include "vog/error.h"
 #include "vog/renderer.h"
-#include "vog/splat.h"
 
 namespace vog {
 

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "render/ray_gaussian.h"
-#include "vog/splat.h"
+#include "render/splat/splat.h"
 
 namespace vog {
 

@@ -6,7 +6,11 @@
 
 #include "render/device/field_hit.h"
 #include "render/device/voxels/ray_sums.h"
+#include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/field_maps.h"
+#include "vog/gaussians.h"
+#include "vog/progress.h"
 
 namespace vog {
 
@@ -72,5 +76,15 @@ FieldMaps magnitude_maps(const Progress& progress,
                          const std::function<FieldMaps(FieldPart, const Progress&)>& render);
 /// Maps without any column.
 FieldMaps empty_maps(int width, int height);
+
+/// Contributions of Gaussian i to the sums along o + t r, t >= 0, in double precision by the closed form: the
+/// measure, the measure times the field, and times its square. Every renderer is tested against this function.
+/// FieldPart::magnitude has no first sum: 0.
+/// clip  space that counts
+struct FieldSums {
+    double column = 0, first = 0, second = 0;
+};
+FieldSums field_sums(const Gaussians& gaussians, const FieldChoice& choice, std::size_t i,
+                     Vec3d origin, Vec3d direction, const Clipping& clip = {});
 
 }  // namespace vog

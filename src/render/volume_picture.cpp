@@ -9,14 +9,14 @@
 
 namespace vog {
 
-Image over(const VolumeImage& picture, const Rgba& background) {
+Image over(std::span<const Rgba> light, int width, int height, const Rgba& background) {
     for (const float c : {background.r, background.g, background.b, background.a})
         if (!(c >= 0 && c <= 1))
             throw Error(fmt::format("background ({}, {}, {}, {}), expected numbers in [0, 1]",
                                     background.r, background.g, background.b, background.a));
-    Image image(picture.width, picture.height);
-    for (std::size_t n = 0; n < picture.pixel.size(); ++n) {
-        const Rgba& front = picture.pixel[n];
+    Image image(width, height);
+    for (std::size_t n = 0; n < light.size(); ++n) {
+        const Rgba& front = light[n];
         // Porter-Duff over; an Image's colour is not multiplied by alpha.
         const float behind = background.a * (1 - front.a);
         const float alpha = background.a == 1 ? 1 : front.a + behind;

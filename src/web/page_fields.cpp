@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "render/by_value/value_histogram.h"
+#include "render/splat/fields/field_splat.h"
+#include "render/splat/splat.h"
+#include "render/splat/volume/volume_splat.h"
 #include "vog/field_maps.h"
-#include "vog/maximum_picture.h"
 #include "vog/picture.h"
 #include "vog/quantity.h"
-#include "vog/splat.h"
 
 namespace vog::web {
 

@@ -1,6 +1,7 @@
 // least_column_test.cpp: vog render --least-column: pixels of a faint column are background in pictures of fields.
 #include <gtest/gtest.h>
 
+#include "render/splat/fields/field_splat.h"
 #include "support/command.h"
 #include "vog/camera.h"
 #include "vog/field_maps.h"

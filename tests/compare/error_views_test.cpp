@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 
 namespace vog {
 

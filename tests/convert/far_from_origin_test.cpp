@@ -3,14 +3,14 @@
 
 #include <vector>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
 #include "vog/convert.h"
 #include "vog/lod.h"
-#include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
-#include "vog/trace.h"
 
 namespace vog::test {
 

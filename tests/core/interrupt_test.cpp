@@ -6,6 +6,9 @@
 #include <functional>
 #include <thread>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "support/data.h"
 #include "vog/vog.h"
 

@@ -10,12 +10,12 @@
 
 #include "emulation/emulation.h"
 #include "render/gpu/gpu.h"
+#include "render/reference/reference.h"
 #include "support/level_volumes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
-#include "vog/reference.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"
 

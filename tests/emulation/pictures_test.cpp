@@ -9,6 +9,7 @@
 
 #include "emulation/emulation.h"
 #include "render/gpu/chords/gpu_pictures.h"
+#include "render/splat/volume/volume_splat.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
 #include "support/refusal.h"

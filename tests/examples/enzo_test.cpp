@@ -5,12 +5,12 @@
 #include <cstring>
 #include <string>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "support/data.h"
 #include "vog/compare.h"
 #include "vog/convert_moments.h"
 #include "vog/levels.h"
-#include "vog/reference.h"
-#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog {

@@ -5,9 +5,9 @@
 
 #include "data/field_arrays.h"
 #include "drawn.h"
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "same_model.h"
-#include "vog/splat.h"
-#include "vog/trace.h"
 
 namespace vog::fuzz {
 

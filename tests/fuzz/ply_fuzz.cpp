@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "fuzz_target.h"
+#include "render/splat/splat.h"
 #include "same_model.h"
 #include "vog/ply.h"
-#include "vog/splat.h"
 
 namespace vog::fuzz {
 

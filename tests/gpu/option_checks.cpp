@@ -12,6 +12,7 @@
 #include "pfm.h"
 #include "render/gpu/chords/gpu_pictures.h"
 #include "render/gpu/gpu.h"
+#include "render/shown_field.h"
 #include "support/scenes.h"
 #include "vog/ply.h"
 

@@ -2,9 +2,9 @@
 // expected (prepare.cpp) and where the GPU is (option_checks.cpp).
 #pragma once
 
+#include "render/trace/trace.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
-#include "vog/trace.h"
 #include "vog/value_transfer.h"
 #include "vog/volume_picture.h"
 

@@ -9,13 +9,13 @@
 
 #include "option_scene.h"
 #include "pfm.h"
+#include "render/reference/reference.h"
+#include "render/splat/volume/volume_splat.h"
+#include "render/trace/trace.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
 #include "vog/field_maps.h"
-#include "vog/maximum_picture.h"
 #include "vog/ply.h"
-#include "vog/reference.h"
-#include "vog/trace.h"
 #include "vog/volume_io.h"
 
 namespace vog::test {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "render/reference/reference.h"
 #include "support/data.h"
-#include "vog/reference.h"
 #include "vog/volume_io.h"
 
 namespace vog {

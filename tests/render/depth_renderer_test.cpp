@@ -7,12 +7,14 @@
 #include <limits>
 #include <string>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "support/random_volume.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/renderer.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

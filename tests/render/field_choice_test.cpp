@@ -1,6 +1,8 @@
 // field_choice_test.cpp: Fields and their parts by name, and what renderers refuse of them.
 #include <gtest/gtest.h>
 
+#include "render/splat/fields/field_splat.h"
+#include "render/trace/trace.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"

@@ -11,6 +11,8 @@
 #include <random>
 
 #include "render/gpu/chords/gpu_pictures.h"
+#include "render/shown_field.h"
+#include "render/splat/fields/field_splat.h"
 #include "support/emulated_gpu.h"
 #include "support/expected_maps.h"
 #include "support/scenes.h"

@@ -1,11 +1,13 @@
 // maximum_picture_test.cpp: maximum intensity projections of voxels and models against closed forms.
-#include "vog/maximum_picture.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "render/reference/reference.h"
+#include "render/splat/volume/volume_splat.h"
+#include "render/trace/trace.h"
 #include "vog/error.h"
 
 namespace vog::test {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "render/kernel_polynomial.h"
+#include "render/splat/splat.h"
 #include "support/scenes.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -7,11 +7,11 @@
 #include <ostream>
 
 #include "render/ray_gaussian.h"
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "support/device_twin.h"
 #include "support/scenes.h"
 #include "support/screen_mass.h"
-#include "vog/splat.h"
-#include "vog/trace.h"
 
 namespace vog::test {
 

@@ -7,12 +7,12 @@
 #include <functional>
 #include <ostream>
 
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 #include "support/device_twin.h"
 #include "support/emulated_gpu.h"
 #include "support/scenes.h"
 #include "vog/progress.h"
-#include "vog/splat.h"
-#include "vog/trace.h"
 
 namespace vog::test {
 

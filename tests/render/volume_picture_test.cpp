@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/reference/reference.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
 #include "vog/error.h"

@@ -1,7 +1,7 @@
 // device_twin.h: the CUDA tile renderer on the CPU, from its device header compiled for the host.
 #pragma once
 
-#include "vog/splat.h"
+#include "render/splat/splat.h"
 
 namespace vog::test {
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "render/shown_field.h"
 #include "vog/field_maps.h"
 
 namespace vog::test {

@@ -1,11 +1,11 @@
 // model_psnr.h: difference of two models' pictures.
 #pragma once
 
+#include "render/splat/splat.h"
 #include "vog/camera.h"
 #include "vog/compare.h"
 #include "vog/gaussians.h"
 #include "vog/shade.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

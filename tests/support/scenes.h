@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vog/splat.h"
+#include "render/splat/splat.h"
 
 namespace vog::test {
 

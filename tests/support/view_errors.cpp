@@ -7,9 +7,9 @@
 #include <cmath>
 #include <span>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "vog/camera.h"
-#include "vog/reference.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

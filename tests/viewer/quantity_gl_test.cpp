@@ -9,6 +9,8 @@
 #include "gl/shade_gl.h"
 #include "gl/slabs_gl.h"
 #include "quantity/look.h"
+#include "render/splat/fields/field_splat.h"
+#include "render/splat/volume/volume_splat.h"
 #include "support/data.h"
 #include "viewer/headless.h"
 #include "vog/compare.h"

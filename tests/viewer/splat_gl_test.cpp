@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/splat/splat.h"
 #include "support/data.h"
 #include "support/scenes.h"
 #include "support/screen_mass.h"
@@ -12,7 +13,6 @@
 #include "vog/compare.h"
 #include "vog/convert_moments.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog::test {

@@ -5,13 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "render/splat/splat.h"
 #include "support/command.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/ply.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

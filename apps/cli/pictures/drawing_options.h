@@ -29,7 +29,7 @@ struct DrawingArguments : ClipArguments {
         site_view;  ///< of inputs that are sites alone; none: they are read whole
     double aabb_sigma = 0, kappa = 0, stop_transmittance = 0;
     int hits_per_slab = TraceOptions{}.hits_per_slab;
-    int samples = ReferenceOptions{}.samples;
+    int samples = RenderOptions{}.samples;
     double step_voxels = VoxelGridOptions{}.step_voxels;
 };
 

@@ -1,6 +1,7 @@
 // gpu_upload.cpp: One buffer object for the pictures of all GPU renderers, as large as the largest.
 #include "gl/gpu_upload.h"
 
+#include "render/gpu/sums/gpu_sums.h"
 #include "vog/error.h"
 
 namespace vog::viewer {

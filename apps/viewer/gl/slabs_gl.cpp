@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "render/by_value/value_light.h"
-#include "vog/maximum_picture.h"
+#include "render/by_value/volume_image.h"
+#include "vog/volume_picture.h"
 
 namespace vog::viewer {
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "vog/field_maps.h"
-#include "vog/maximum_picture.h"
 #include "vog/picture.h"
 #include "vog/quantity.h"
 #include "vog/volume_picture.h"

@@ -11,8 +11,8 @@
 
 #include "render/gpu/chords/gpu_pictures.h"
 #include "render/gpu/gpu.h"
+#include "render/splat/splat.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 
 namespace vog::viewer {
 

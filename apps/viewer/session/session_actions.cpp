@@ -125,11 +125,11 @@ void Session::save_depth(const fs::path& file) {
             break;
         }
         case Drawn::Kind::light: {
-            VolumeImage picture{sums.width, sums.height, {}};
+            std::vector<Rgba> light;
             for (std::size_t n = 0; n < sums.value.size(); n += 4)
-                picture.pixel.push_back(
+                light.push_back(
                     {sums.value[n], sums.value[n + 1], sums.value[n + 2], sums.value[n + 3]});
-            write_exr(file, over(picture, Rgba{0, 0, 0, 0}));
+            write_exr(file, over(light, sums.width, sums.height, Rgba{0, 0, 0, 0}));
             break;
         }
     }

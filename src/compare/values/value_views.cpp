@@ -5,9 +5,11 @@
 
 #include "compare/error_shares.h"
 #include "compare/values/value_functions.h"
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
+#include "render/splat/volume/volume_splat.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 #include "vog/text.h"
 
 namespace vog::comparison {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "compare/error_views.h"
+#include "render/by_value/volume_image.h"
 #include "vog/value_transfer.h"
 #include "vog/volume_picture.h"
 #include "vog/voxel_field.h"

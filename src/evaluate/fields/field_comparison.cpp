@@ -1,6 +1,8 @@
 // field_comparison.cpp: errors of maps of fields, row by row.
 #include "evaluate/fields/field_comparison.h"
 
+#include "render/reference/reference.h"
+#include "render/splat/fields/field_splat.h"
 #include "vog/compare_maps.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"

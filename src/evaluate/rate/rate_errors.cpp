@@ -7,10 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "shade/named_extinction.h"
 #include "vog/compare.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 
 namespace vog::evaluation {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "evaluate/values/value_comparison.h"
+#include "render/reference/reference.h"
 #include "vog/gaussians.h"
 #include "vog/rate_distortion.h"
-#include "vog/reference.h"
 
 namespace vog::evaluation {
 

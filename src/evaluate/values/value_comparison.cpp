@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "compare/values/value_functions.h"
+#include "render/reference/reference.h"
+#include "render/splat/volume/volume_splat.h"
 #include "vog/compare.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"

@@ -1,11 +1,11 @@
 // clipped_depth.h: T of a model where a clip cuts its chords, by the loops of pictures by value.
 #pragma once
 
+#include "render/trace/trace.h"
 #include "vog/camera.h"
 #include "vog/clip.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
-#include "vog/trace.h"
 
 namespace vog::by_value {
 

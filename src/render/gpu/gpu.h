@@ -1,4 +1,4 @@
-// gpu.h: Renderers on an NVIDIA GPU: splatting by CUDA, ray tracing by OptiX.
+// gpu.h: T on an NVIDIA GPU: splatting by CUDA, ray tracing by OptiX.
 // CudaSplat needs a CUDA device, OptixModel and OptixVolume (the paper's two pipelines) a driver
 // with OptiX. All builds have these classes: without -DVOG_CUDA=ON or -DVOG_OPTIX=ON, a driver or a
 // device, their constructors throw one line naming the missing part.
@@ -9,10 +9,10 @@
 #include <span>
 
 #include "render/gpu/sums/gpu_sums.h"
+#include "render/trace/trace.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
-#include "vog/trace.h"
 
 namespace vog {
 

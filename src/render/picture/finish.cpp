@@ -184,9 +184,7 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
         multiply(*plane, picture.factor);
     TransferFunction colors = picture.colors;
     if (show == Show::volume) {
-        VolumeImage light{own.width, own.height, std::move(own.light)};
-        finished.image = over(light, picture.request.shading.background);
-        own.light = std::move(light.pixel);
+        finished.image = over(own.light, own.width, own.height, picture.request.shading.background);
         for (const Rgba& pixel : own.light) finished.opacity.push_back(pixel.a);
         finished.scale = picture.chosen.scale;
         if (picture.request.marks.color_bar) colors = bar_of(picture.chosen);

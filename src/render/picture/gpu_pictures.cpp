@@ -78,8 +78,8 @@ class GpuModelPictures : public SourceRenderer {
         GpuPictures& pictures = prepared(picture);
         const PictureRequest& request = picture.request;
         image = pictures.volume(picture.field.field, picture.chosen.transfer, picture.camera(),
-                                request.width, request.height,
-                                request.slabs.value_or(SlabOptions{}.slabs), look_of(picture));
+                                request.width, request.height, request.slabs.value_or(kVolumeSlabs),
+                                look_of(picture));
         report.gpu_ms = pictures.gpu_ms();
         if (progress) progress(1);
     }

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "render/splat/splat.h"
 #include "vog/error.h"
 #include "vog/picture.h"
-#include "vog/splat.h"
 #include "vog/text.h"
 
 namespace vog {

@@ -9,6 +9,7 @@
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/periodic.h"
+#include "vog/renderer.h"
 
 namespace vog {
 

@@ -5,9 +5,8 @@
 #include <iterator>
 
 #include "render/picture/source_renderer.h"
+#include "render/reference/reference.h"
 #include "vog/error.h"
-#include "vog/maximum_picture.h"
-#include "vog/reference.h"
 
 namespace vog::pictures {
 

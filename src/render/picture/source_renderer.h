@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/by_value/volume_image.h"
 #include "vog/picture.h"
 
 namespace vog::pictures {

@@ -3,8 +3,9 @@
 
 #include "render/by_value/clipped_depth.h"
 #include "render/picture/source_renderer.h"
-#include "vog/maximum_picture.h"
-#include "vog/splat.h"
+#include "render/splat/fields/field_splat.h"
+#include "render/splat/splat.h"
+#include "render/splat/volume/volume_splat.h"
 
 namespace vog::pictures {
 
@@ -64,7 +65,7 @@ class SplatPictures : public SourceRenderer {
                 const Progress& progress) override {
         const PictureRequest& request = picture.request;
         SlabOptions options = slab_options(picture);
-        options.slabs = request.slabs.value_or(options.slabs);
+        options.slabs = request.slabs.value_or(kVolumeSlabs);
         const ValueTransfer& transfer = picture.chosen.transfer;
         // Made with the first transfer function, then kept for pictures under others.
         Kept wanted{picture.field.field, options.slabs, options.look};

@@ -3,7 +3,7 @@
 
 #include "render/by_value/clipped_depth.h"
 #include "render/picture/source_renderer.h"
-#include "vog/maximum_picture.h"
+#include "render/trace/trace.h"
 
 namespace vog::pictures {
 

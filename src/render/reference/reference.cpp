@@ -1,5 +1,5 @@
 // reference.cpp: Optical depth of volumes by traversal of their voxels along rays.
-#include "vog/reference.h"
+#include "render/reference/reference.h"
 
 #include <fmt/core.h>
 

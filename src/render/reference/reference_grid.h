@@ -3,7 +3,7 @@
 
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/nano_tree.h"
-#include "vog/reference.h"
+#include "render/reference/reference.h"
 
 namespace vog {
 

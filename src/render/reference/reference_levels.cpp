@@ -9,6 +9,7 @@
 
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/levels_field.h"
+#include "render/reference/reference.h"
 #include "render/reference/reference_linear.h"
 
 namespace vog {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 
 namespace vog {

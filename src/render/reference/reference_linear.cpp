@@ -2,6 +2,7 @@
 #include "render/reference/reference_linear.h"
 
 #include "render/reference/linear_block.h"
+#include "render/reference/reference.h"
 
 namespace vog::reference {
 

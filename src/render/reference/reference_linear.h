@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/reference/hierarchical_dda.h"
+#include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 
 namespace vog::reference {

@@ -9,10 +9,10 @@
 #include "render/kernel_polynomial.h"
 #include "render/splat/near_splats.h"
 #include "render/splat/projected_splats.h"
+#include "render/splat/splat.h"
 #include "render/splat/splat_boxes.h"
 #include "render/splat/splat_kernels.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 
 namespace vog {
 

@@ -14,8 +14,8 @@
 #include <cstring>
 
 #include "render/device/pixel_limits.h"
+#include "render/splat/splat.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/splat_kernels.cpp"

@@ -1,5 +1,5 @@
 // trace.cpp: Ray tracing of a model, one ray a pixel, as the OptiX programs do.
-#include "vog/trace.h"
+#include "render/trace/trace.h"
 
 #include <algorithm>
 #include <utility>

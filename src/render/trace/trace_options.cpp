@@ -8,6 +8,7 @@
 
 #include "render/device/any_hit.h"
 #include "vog/error.h"
+#include "vog/renderer.h"
 
 namespace vog::trace {
 

@@ -1,7 +1,7 @@
 // trace_options.h: Checks of TraceOptions for the ray tracers on CPU and GPU.
 #pragma once
 
-#include "vog/trace.h"
+#include "render/trace/trace.h"
 
 namespace vog::trace {
 

@@ -11,9 +11,9 @@
 #include "render/pixel_tiles.h"
 #include "render/shown_field.h"
 #include "render/trace/small_gaussians.h"
+#include "render/trace/trace.h"
 #include "render/trace/trace_bvh.h"
 #include "render/trace/trace_options.h"
-#include "vog/maximum_picture.h"
 
 namespace vog {
 

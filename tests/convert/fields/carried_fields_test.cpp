@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "render/reference/reference.h"
+#include "render/splat/fields/field_splat.h"
 #include "support/level_volumes.h"
 #include "support/made_fields.h"
 #include "support/moment_volumes.h"

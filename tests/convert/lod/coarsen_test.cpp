@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "render/splat/splat.h"
 #include "support/moment_volumes.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
@@ -12,7 +13,6 @@
 #include "vog/error.h"
 #include "vog/ply.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

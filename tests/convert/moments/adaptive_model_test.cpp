@@ -3,11 +3,11 @@
 
 #include <cmath>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "support/data.h"
 #include "support/moment_volumes.h"
 #include "vog/convert_moments.h"
-#include "vog/reference.h"
-#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "render/splat/splat.h"
 #include "support/moment_volumes.h"
 #include "support/random_volume.h"
 #include "vog/camera.h"
 #include "vog/convert_moments.h"
-#include "vog/splat.h"
 
 namespace vog {
 namespace {

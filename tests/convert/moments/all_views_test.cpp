@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "support/data.h"
 #include "support/moment_volumes.h"
 #include "support/view_errors.h"
 #include "vog/convert_moments.h"
-#include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog {

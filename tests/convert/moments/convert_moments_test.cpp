@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/reference/reference.h"
+#include "render/splat/splat.h"
 #include "support/moment_volumes.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/progress.h"
-#include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 
 namespace vog {
 namespace {

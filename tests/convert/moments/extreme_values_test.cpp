@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "convert/moments/mass_threshold.h"
+#include "render/splat/splat.h"
 #include "support/moment_volumes.h"
 #include "support/scenes.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 
 namespace vog {
 namespace {

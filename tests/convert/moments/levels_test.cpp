@@ -6,6 +6,7 @@
 
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cut/optimal_cut.h"
+#include "render/splat/splat.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
@@ -14,7 +15,6 @@
 #include "vog/error.h"
 #include "vog/levels.h"
 #include "vog/progress.h"
-#include "vog/splat.h"
 
 namespace vog {
 

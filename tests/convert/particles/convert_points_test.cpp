@@ -9,11 +9,11 @@
 #include <span>
 
 #include "convert/particles/nearest_neighbours.h"
+#include "render/splat/splat.h"
 #include "support/refused_files.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
 #include "vog/convert_points.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

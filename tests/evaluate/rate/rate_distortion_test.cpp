@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluate/rate/float_codecs.h"
+#include "render/reference/reference.h"
 #include "support/command.h"
 #include "support/refusal.h"
 #include "vog/compare.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
-#include "vog/reference.h"
 #include "vog/sample.h"
 #include "vog/vogz.h"
 #include "vog/volume_io.h"

@@ -13,6 +13,7 @@
 #include "io/site/chunk_name.h"
 #include "io/site/chunk_tree.h"
 #include "io/site/manifest.h"
+#include "render/splat/splat.h"
 #include "support/data.h"
 #include "support/field_models.h"
 #include "support/model_psnr.h"
@@ -22,7 +23,6 @@
 #include "vog/convert_moments.h"
 #include "vog/model_io.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -9,9 +9,9 @@
 #include "render/device/any_hit.h"
 #include "render/device/launch.h"
 #include "render/device/voxels/voxel_walk.h"
+#include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 #include "support/scenes.h"
-#include "vog/reference.h"
 #include "vog/sample.h"
 
 namespace vog::test {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "render/reference/reference.h"
 #include "support/data.h"
 #include "vog/picture.h"
 #include "vog/sample.h"

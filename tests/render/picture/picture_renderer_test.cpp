@@ -8,6 +8,7 @@
 #include <string>
 #include <tuple>
 
+#include "render/shown_field.h"
 #include "support/field_models.h"
 #include "support/ray_voxels.h"
 #include "support/refusal.h"

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "render/reference/fields/box_view.h"
+#include "render/reference/reference.h"
 #include "support/random_volume.h"
 #include "vog/field_maps.h"
 #include "vog/progress.h"

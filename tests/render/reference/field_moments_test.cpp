@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "render/reference/reference.h"
 #include "support/scenes.h"
 #include "vog/field_maps.h"
 

@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "render/reference/reference.h"
+#include "render/shown_field.h"
 #include "support/expected_maps.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"

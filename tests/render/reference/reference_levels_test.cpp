@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "render/reference/reference.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
 #include "vog/error.h"
-#include "vog/reference.h"
 
 namespace vog {
 namespace {

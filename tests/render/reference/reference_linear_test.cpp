@@ -4,11 +4,11 @@
 #include <cmath>
 #include <vector>
 
+#include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 #include "support/data.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
-#include "vog/reference.h"
 #include "vog/volume_io.h"
 
 namespace vog {

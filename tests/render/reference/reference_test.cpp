@@ -1,5 +1,5 @@
 // reference_test.cpp: The reference renderer against closed forms and brute force.
-#include "vog/reference.h"
+#include "render/reference/reference.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "render/splat/splat.h"
 #include "support/data.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
@@ -16,7 +17,6 @@
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog {

@@ -6,9 +6,9 @@
 #include <set>
 #include <tuple>
 
+#include "render/reference/reference.h"
 #include "support/ray_voxels.h"
 #include "support/scenes.h"
-#include "vog/reference.h"
 
 namespace vog {
 namespace {

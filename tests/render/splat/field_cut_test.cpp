@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "render/splat/fields/field_splat.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"

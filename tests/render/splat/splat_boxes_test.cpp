@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/splat/splat.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/progress.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -8,12 +8,12 @@
 #include <tuple>
 
 #include "render/ray_gaussian.h"
+#include "render/splat/splat.h"
 #include "support/allocations.h"
 #include "support/pixel_mean.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/progress.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "vog/splat.h"
-#include "vog/trace.h"
+#include "render/splat/splat.h"
+#include "render/trace/trace.h"
 
 namespace vog::test {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/splat/splat.h"
 #include "support/allocations.h"
 #include "support/field_models.h"
 #include "support/scenes.h"
@@ -13,7 +14,6 @@
 #include "vog/error.h"
 #include "vog/progress.h"
 #include "vog/sample.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

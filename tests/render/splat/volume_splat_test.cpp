@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "render/gpu/chords/gpu_pictures.h"
+#include "render/splat/volume/volume_splat.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
 #include "support/scenes.h"

@@ -1,15 +1,15 @@
 // trace_test.cpp: The ray tracer beyond the scenes of every renderer: any-hit programs, slabs, the
 // paper's boxes and cutoff, early termination.
-#include "vog/trace.h"
+#include "render/trace/trace.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "render/splat/splat.h"
 #include "support/scenes.h"
 #include "vog/error.h"
-#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -1,5 +1,6 @@
 // gpu_picture_sums.cpp: Pictures of GpuPictures that stay in GPU memory.
 #include "render/by_value/volume_field.h"
+#include "render/gpu/chords/gpu_pictures.h"
 #include "render/gpu/chords/gpu_pictures_state.h"
 #include "render/gpu/sums/sums_memory.h"
 

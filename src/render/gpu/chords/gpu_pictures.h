@@ -1,14 +1,12 @@
-// gpu_pictures.h: Pictures of fields, of values and of clipped models on an NVIDIA GPU: the quantities of vog/field_maps.h,
-// volume_picture.h and vog/maximum_picture.h, by the same formulas.
+// gpu_pictures.h: Pictures of fields, of values and of clipped models on an NVIDIA GPU, by the formulas of the splats.
 #pragma once
 
 #include <memory>
 #include <string>
 
 #include "render/gpu/sums/gpu_sums.h"
+#include "render/trace/trace.h"
 #include "vog/field_maps.h"
-#include "vog/maximum_picture.h"
-#include "vog/renderer.h"
 #include "vog/volume_picture.h"
 
 namespace vog {

@@ -5,6 +5,7 @@
 
 #include <cuda_gl_interop.h>
 
+#include "render/gpu/sums/gpu_sums.h"
 #include "render/gpu/sums/sums_memory.h"
 #include "vog/error.h"
 

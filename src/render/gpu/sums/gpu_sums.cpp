@@ -1,6 +1,7 @@
 // gpu_sums.cpp: Sums of a picture in GPU memory.
 #include <fmt/core.h>
 
+#include "render/gpu/sums/gpu_sums.h"
 #include "render/gpu/sums/sums_memory.h"
 #include "vog/error.h"
 

@@ -1,14 +1,13 @@
-// gpu_volumes.h: Pictures of voxels on an NVIDIA GPU by OptiX, the paper's SciVis pipeline: the quantities of vog/reference.h,
-// field_maps.h, vog/volume_picture.h and vog/maximum_picture.h, by the same formulas, in double precision.
+// gpu_volumes.h: Pictures of voxels on an NVIDIA GPU by OptiX, the paper's SciVis pipeline: the quantities of
+// render/reference/reference.h, by the same formulas, in double precision.
 #pragma once
 
 #include <memory>
 #include <span>
 
+#include "render/reference/reference.h"
 #include "vog/field_maps.h"
 #include "vog/levels.h"
-#include "vog/maximum_picture.h"
-#include "vog/reference.h"
 #include "vog/volume_picture.h"
 #include "vog/voxel_field.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "render/reference/reference.h"
 
 namespace vog::reference {
 

@@ -6,6 +6,7 @@
 
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/node_search.h"
+#include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 #include "vog/field_maps.h"
 #include "vog/voxel_field.h"

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "render/reference/reference.h"
 #include "render/shown_field.h"
 #include "vog/distributed.h"
-#include "vog/reference.h"
 
 namespace vog::reference {
 

@@ -13,6 +13,7 @@
 #include "render/reference/fields/field_moments.h"
 #include "render/reference/fields/visible_parts.h"
 #include "render/reference/parts/joint_pixels.h"
+#include "render/reference/reference.h"
 #include "render/shown_field.h"
 #include "vog/error.h"
 

@@ -3,6 +3,7 @@
 
 #include "core/parallel.h"
 #include "render/reference/fields/field_grid.h"
+#include "render/reference/reference.h"
 #include "vog/error.h"
 
 namespace vog::reference {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "render/reference/linear_block.h"
+#include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 #include "vog/voxel_field.h"
 

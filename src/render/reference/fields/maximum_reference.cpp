@@ -5,7 +5,7 @@
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/parts/joint_pixels.h"
-#include "vog/maximum_picture.h"
+#include "render/reference/reference.h"
 
 namespace vog {
 

@@ -13,6 +13,7 @@
 #include "render/reference/fields/ray_light.h"
 #include "render/reference/parts/joint_pixels.h"
 #include "render/reference/parts/ray_exchange.h"
+#include "render/reference/reference.h"
 #include "vog/error.h"
 #include "vog/volume_picture.h"
 

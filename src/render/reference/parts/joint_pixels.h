@@ -7,9 +7,9 @@
 #include <span>
 
 #include "render/reference/fields/field_moments.h"
+#include "render/reference/reference.h"
 #include "vog/distributed.h"
 #include "vog/progress.h"
-#include "vog/reference.h"
 
 namespace vog::reference {
 

@@ -10,6 +10,7 @@
 #include "render/clipping/clipped_gaussians.h"
 #include "render/pixel_limits.h"
 #include "render/splat/fields/field_planes.h"
+#include "render/splat/fields/field_splat.h"
 #include "render/splat/fields/projected_mean.h"
 #include "render/splat/near_splats.h"
 #include "render/splat/projected_splats.h"

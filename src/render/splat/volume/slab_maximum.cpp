@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "vog/maximum_picture.h"
+#include "render/by_value/volume_image.h"
 
 namespace vog::splat {
 

@@ -13,8 +13,8 @@
 #include "render/pixel_limits.h"
 #include "render/splat/volume/slab_exchange.h"
 #include "render/splat/volume/slab_picture.h"
+#include "render/splat/volume/volume_splat.h"
 #include "vog/error.h"
-#include "vog/maximum_picture.h"
 #include "vog/volume_picture.h"
 
 namespace vog {

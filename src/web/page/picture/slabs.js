@@ -9,7 +9,7 @@ const tile = [64, 32];          // pixels: kTileWidth, kTileHeight
 const lightWidth = 1024;        // Gaussians a row: light.vert
 const layers = 4;               // images that every device draws into at once
 const slabsOf = { SLABS: 4, MEANS: 8 };  // a pass, by the word of slab.frag
-const leastShare = 1e-3;        // kLeastDensityShare of vog/maximum_picture.h
+const leastShare = 1e-3;        // kLeastDensityShare of render/by_value/volume_image.h
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
 
 export class Slabs {

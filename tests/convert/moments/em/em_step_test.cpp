@@ -6,10 +6,10 @@
 
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/octree.h"
+#include "render/splat/splat.h"
 #include "support/moment_volumes.h"
 #include "support/scenes.h"
 #include "vog/convert_moments.h"
-#include "vog/splat.h"
 
 namespace vog {
 

@@ -1,25 +1,23 @@
-// vog/trace.h: Ray tracing of Gaussians on the CPU, by the paper's programs.
+// trace.h: Ray tracing of Gaussians on the CPU, by the paper's programs.
 // Ray generation, intersection and any-hit code (src/render/device) are those of the OptiX
 // programs, compiled for the host, over Embree's bounding volume hierarchy. docs/ray_tracing.md
 // maps them to the paper's figure.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
+#include <string>
 
+#include "render/by_value/volume_image.h"
 #include "vog/camera.h"
+#include "vog/field_maps.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
-#include "vog/progress.h"
+#include "vog/renderer.h"
+#include "vog/value_transfer.h"
+#include "vog/volume_picture.h"
 
 namespace vog {
-
-/// Any-hit program: the treatment of each intersection of a ray with a Gaussian.
-enum class AnyHit {
-    accumulate,  ///< adds its optical depth at once: T is a sum, independent of order
-    collect,     ///< the paper's: gathers hits, sorts them by entry, integrates front to back
-};
 
 /// Options of a scene, fixed for all its pictures.
 struct TraceSceneOptions {
@@ -50,24 +48,6 @@ class TraceScene {
 [[nodiscard]] TraceScene trace_scene(const Gaussians& gaussians,
                                      const TraceSceneOptions& options = {});
 
-/// Options of one picture.
-struct TraceOptions {
-    AnyHit anyhit = AnyHit::accumulate;  ///< treatment of hits
-    int hits_per_slab = 64;  ///< capacity of the hit buffer of a collecting ray, [1, 256]
-    /// Transmittance exp(-extinction T) below which a collecting ray ends, [0, 1); 0: never. The
-    /// paper's `if T > 0.999 or T < 0.001, break`, read as transmittance, is 0.001.
-    double stop_transmittance = 0;
-    double extinction = 1;  ///< factor on density in the transmittance, > 0
-    Progress progress{};    ///< called with the finished fraction of the picture
-};
-
-/// Counts over the rays of one picture.
-struct TraceReport {
-    std::uint64_t hits = 0;   ///< Gaussians added, summed over all rays
-    std::uint64_t slabs = 0;  ///< hit buffers integrated by collecting rays, summed over all rays
-    int most_slabs = 0;       ///< largest number of slabs of one ray
-};
-
 /// Traces one ray through every pixel centre and adds each Gaussian whose support (and box, with
 /// aabb_sigma) the ray meets. Exact; no hit is dropped.
 /// returns  T per pixel at extinction 1; the same bytes for any number of threads
@@ -77,5 +57,29 @@ struct TraceReport {
 [[nodiscard]] DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width,
                                       int height, const TraceOptions& options = {},
                                       TraceReport* report = nullptr);
+
+/// As render_field_splat, by one ray a pixel.
+/// throws  vog::Error as trace_scene and render_trace do, for a field that the model lacks, and for AnyHit::collect
+[[nodiscard]] FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
+                                           const Camera& camera, int width, int height,
+                                           const TraceOptions& options = {},
+                                           const TraceSceneOptions& scene = {},
+                                           const Clipping& clip = {});
+/// As render_volume_splat in exact order of depth, by one ray a pixel in steps of an eighth of the thinnest Gaussian: the truth
+/// of the slabs.
+/// throws  vog::Error as render_trace does, and for a field that the model lacks
+[[nodiscard]] VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& field,
+                                              const ValueTransfer& transfer, const Camera& camera,
+                                              int width, int height,
+                                              const TraceOptions& options = {},
+                                              const TraceSceneOptions& scene = {},
+                                              const VolumeLook& look = {});
+/// As render_maximum_splat in steps of an eighth of the thinnest Gaussian on the ray: the truth of the slabs.
+/// throws  vog::Error as render_volume_trace does
+[[nodiscard]] ValueMap render_maximum_trace(const Gaussians& gaussians, const std::string& field,
+                                            const Camera& camera, int width, int height,
+                                            const TraceOptions& options = {},
+                                            const TraceSceneOptions& scene = {},
+                                            const Clipping& clip = {});
 
 }  // namespace vog

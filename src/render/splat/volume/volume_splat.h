@@ -1,0 +1,61 @@
+// volume_splat.h: Volumes and maxima of a model by depth slabs on the CPU.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "render/by_value/volume_image.h"
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/maximum_picture.h"
+#include "vog/quantity.h"
+#include "vog/value_transfer.h"
+#include "vog/volume_picture.h"
+
+namespace vog {
+
+/// Renderer of one model by value, from any number of cameras and under any transfer function, without sorting: per
+/// tile of the picture `slabs` slabs of equal depth over the tile's own range; in each, sums over Gaussians of the
+/// exact part of the integral of each times its expected extinction and colour; slabs are composited front to back.
+/// Buffers are kept. Not for two threads at once; each picture uses all threads.
+class SlabRenderer {
+  public:
+    /// gaussians  must outlive the renderer, unchanged; validated once, here
+    /// field      a scalar field of the model
+    /// throws     vog::Error as SplatRenderer and validate(transfer) do, for a field that the model lacks, for
+    ///            slabs out of range
+    SlabRenderer(const Gaussians& gaussians, const std::string& field,
+                 const ValueTransfer& transfer, const SlabOptions& options = {});
+    ~SlabRenderer();
+    SlabRenderer(SlabRenderer&&) noexcept;
+    SlabRenderer& operator=(SlabRenderer&&) noexcept;
+
+    /// Transfer function of the next pictures. The same one again costs nothing, another about 1 us a Gaussian.
+    void set_transfer(const ValueTransfer& transfer);
+    /// picture  receives the result, the same bytes for any number of threads; its memory is reused
+    /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side
+    /// cost     memory: 200 bytes a visible Gaussian, 4 kB a slab and thread
+    void render(const Camera& camera, int width, int height, VolumeImage& picture);
+    [[nodiscard]] VolumeImage render(const Camera& camera, int width, int height);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+/// One picture by a SlabRenderer. throws vog::Error as SlabRenderer does
+[[nodiscard]] VolumeImage render_volume_splat(const Gaussians& gaussians, const std::string& field,
+                                              const ValueTransfer& transfer, const Camera& camera,
+                                              int width, int height,
+                                              const SlabOptions& options = {});
+
+/// Largest conditional mean of a model's field along the ray through each pixel,
+///   max over t of  sum d_i phi_i / sum d_i,   d_i density of Gaussian i at t, phi_i the plane of its field there
+/// as means over depth slabs. Within the field's range.
+/// options  its light has no effect
+/// returns  NaN where there is no Gaussian; the same bytes for any number of threads
+/// throws   vog::Error as SlabRenderer does
+[[nodiscard]] ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& field,
+                                            const Camera& camera, int width, int height,
+                                            const SlabOptions& options = {.slabs = kMaximumSlabs});
+
+}  // namespace vog
