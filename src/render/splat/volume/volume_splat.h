@@ -7,12 +7,24 @@
 #include "render/by_value/volume_image.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
-#include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "vog/value_transfer.h"
 #include "vog/volume_picture.h"
 
 namespace vog {
+
+struct Collective;
+
+/// Options of a SlabRenderer.
+struct SlabOptions {
+    int slabs = kVolumeSlabs;   ///< depth slabs a tile, 1 to 1024
+    std::string simd_target{};  ///< one of splat_targets(); empty: the best
+    double kappa = 0;           ///< as SplatOptions::kappa
+    VolumeLook look{};
+    /// Processes that each hold a part of the model and make the same calls (vog-mpi); pictures are complete on the
+    /// root. Null: this process has all of it.
+    const Collective* collective = nullptr;
+};
 
 /// Renderer of one model by value, from any number of cameras and under any transfer function, without sorting: per
 /// tile of the picture `slabs` slabs of equal depth over the tile's own range; in each, sums over Gaussians of the
