@@ -1,21 +1,14 @@
-// vog/renderer.h: All renderers behind one interface: names, what each draws, the options that go
-// with each, and data prepared once to be drawn from any number of cameras.
+// vog/renderer.h: All renderers: names, what each draws, and the options that go with each.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "vog/camera.h"
 #include "vog/clip.h"
-#include "vog/gaussians.h"
-#include "vog/image.h"
-#include "vog/levels.h"
-#include "vog/lod.h"
 #include "vog/progress.h"
 
 namespace vog {
@@ -145,52 +138,5 @@ std::string spelled(RenderOption option, OptionSpelling spelling);
 /// throws vog::Error: "--kappa is not for --renderer reference, expected splat or trace or ..."
 void require_options(Renderer renderer, RenderInput input, std::span<const RenderOption> given,
                      OptionSpelling spelling);
-
-/// Data prepared for one renderer, which draws optical depth from any camera. Not for two threads
-/// at once, except with Renderer::reference; each picture uses all threads.
-class DepthRenderer {
-  public:
-    /// model      splat draws it in place: it must stay as it is. Others copy what they need
-    /// hierarchy  of the model, for splat, and for cuda and optix with a pixel_error, without bounding boxes: each
-    ///            picture is a cut through it, which GPU renderers are sent; null or empty: all Gaussians
-    /// throws     vog::Error for options that are not the renderer's, for a renderer that does not
-    ///            draw Gaussians or is not in this build, and as the renderer itself does
-    DepthRenderer(Renderer renderer, std::shared_ptr<const Gaussians> model,
-                  const RenderOptions& options = {},
-                  std::shared_ptr<const Hierarchy> hierarchy = nullptr);
-    /// T of volumes that add up; they are copied. throws vog::Error as above
-    DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
-                  const RenderOptions& options = {});
-    /// T of levels of a mesh, which are copied. throws vog::Error as above
-    DepthRenderer(Renderer renderer, const Levels& levels, const RenderOptions& options = {});
-    /// Volumes that add up or levels, as the set says.
-    DepthRenderer(Renderer renderer, const VolumeSet& volumes, const RenderOptions& options = {});
-    ~DepthRenderer();
-    DepthRenderer(DepthRenderer&&) noexcept;
-    DepthRenderer& operator=(DepthRenderer&&) noexcept;
-
-    /// depth     T per pixel at extinction 1
-    /// progress  not called by cuda and optix
-    /// throws    vog::Error for an unusable camera or size
-    void render(const Camera& camera, int width, int height, DepthImage& depth,
-                const Progress& progress = {});
-    /// Sets CutOptions::pixel_error of the next pictures. No effect without a hierarchy.
-    void set_pixel_error(double pixel_error);
-    /// Sets RenderOptions::samples of the next pictures, >= 1. No effect on renderers without samples.
-    void set_samples(int samples);
-
-    Renderer renderer() const;
-    /// Cut of the last picture; nothing without a hierarchy.
-    const std::optional<CutReport>& cut() const;
-    /// Hits of the last picture's rays; nothing unless a model was traced.
-    const std::optional<TraceReport>& traced() const;
-    /// Device time of the last picture, milliseconds; nothing unless a GPU drew it.
-    std::optional<double> gpu_ms() const;
-
-    struct State;
-
-  private:
-    std::unique_ptr<State> state_;
-};
 
 }  // namespace vog

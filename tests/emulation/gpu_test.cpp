@@ -16,7 +16,7 @@
 #include "support/scenes.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
-#include "vog/renderer.h"
+#include "vog/picture.h"
 #include "vog/sample.h"
 
 namespace vog::test {
@@ -235,29 +235,32 @@ TEST_F(gpu, cuts_of_a_hierarchy_are_those_of_the_splat) {
     const auto hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(sorted));
     const auto model = std::make_shared<const Gaussians>(std::move(sorted));
     const Camera camera = looking({0, 0, 5}, {0.1, 0, 0}, 35);
-    DepthImage expected, found;
+    PictureRenderer renderer(scene_of(model, hierarchy));
+    const DrawReport& report = renderer.report();
+    PictureRequest request{.camera = camera, .width = 40, .height = 30};
     for (const double error : {0.0, 5.0}) {
-        const RenderOptions options{.pixel_error = error};
-        DepthRenderer splat(Renderer::splat, model, options, hierarchy);
-        splat.render(camera, 40, 30, expected);
+        request.options = {.pixel_error = error};
+        request.renderer = Renderer::splat;
+        const DepthImage expected = bare_depth(renderer, request);
+        const std::size_t drawn = report.cut->drawn();
         for (const Renderer by : {Renderer::cuda, Renderer::optix}) {
-            DepthRenderer cut(by, model, options, hierarchy);
-            cut.render(camera, 40, 30, found);
-            EXPECT_LT(worst(found, expected), 1e-4) << error;
-            ASSERT_TRUE(cut.cut() && cut.gpu_ms());
-            EXPECT_EQ(cut.cut()->drawn(), splat.cut()->drawn());
-            EXPECT_EQ(cut.traced().has_value(), by == Renderer::optix);
+            request.renderer = by;
+            request.options = {.pixel_error = error};
+            EXPECT_LT(worst(bare_depth(renderer, request), expected), 1e-4) << error;
+            ASSERT_TRUE(report.cut && report.gpu_ms);
+            EXPECT_EQ(report.cut->drawn(), drawn);
+            EXPECT_EQ(report.traced.has_value(), by == Renderer::optix);
             if (error > 0) {
-                EXPECT_LT(cut.cut()->drawn(), model->size() / 2);
+                EXPECT_LT(report.cut->drawn(), model->size() / 2);
             }
-            cut.set_pixel_error(0);
-            cut.set_samples(2);  // of optix
-            cut.render(camera, 40, 30, found);
-            EXPECT_EQ(cut.cut()->drawn(), model->size());
+            request.options.pixel_error = 0;
+            request.options.samples = by == Renderer::optix ? 2 : 1;
+            (void)bare_depth(renderer, request);
+            EXPECT_EQ(report.cut->drawn(), model->size());
             // Without a largest error all Gaussians are drawn.
-            DepthRenderer whole(by, model, {}, hierarchy);
-            whole.render(camera, 40, 30, found);
-            EXPECT_FALSE(whole.cut());
+            request.options = {};
+            (void)bare_depth(renderer, request);
+            EXPECT_FALSE(report.cut);
         }
     }
 }
@@ -293,18 +296,20 @@ TEST_F(gpu, levels_of_a_mesh_have_the_references_depth) {
         if (masked) levels.masks = {cube_of(7, 1, {}), cube_of(5, 1, fine)};
         const Camera camera = paper_view(world_box(levels.volumes.front()));
         const DepthImage expected = render_reference(level_grids(levels), camera, 48, 32);
-        DepthRenderer optix(Renderer::optix, levels);
-        DepthImage depth;
-        optix.render(camera, 48, 32, depth);
-        EXPECT_LT(worst(depth, expected), 1e-5) << masked;
-        optix.set_samples(3);
-        optix.render(camera, 16, 16, depth);
+        PictureRequest request{
+            .camera = camera, .width = 48, .height = 32, .renderer = Renderer::optix};
+        const auto optix = [&](Overlap overlap) {
+            PictureRenderer renderer(
+                scene_of(std::make_shared<const VolumeSet>(VolumeSet{levels, overlap})));
+            return bare_depth(renderer, request);
+        };
+        EXPECT_LT(worst(optix(Overlap::hide), expected), 1e-5) << masked;
+        EXPECT_GT(worst(optix(Overlap::add), expected), 0.05);  // hidden voxels count there
+        request.width = request.height = 16;
+        request.options.samples = 3;
         const DepthImage mean =
             render_reference(level_grids(levels), camera, 16, 16, {.samples = 3});
-        EXPECT_LT(worst(depth, mean), 1e-5) << masked;
-        DepthRenderer add(Renderer::optix, std::span<const Volume>(levels.volumes));
-        add.render(camera, 48, 32, depth);
-        EXPECT_GT(worst(depth, expected), 0.05);  // hidden voxels count there
+        EXPECT_LT(worst(optix(Overlap::hide), mean), 1e-5) << masked;
     }
 }
 

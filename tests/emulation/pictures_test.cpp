@@ -14,6 +14,7 @@
 #include "support/field_models.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
+#include "vog/picture.h"
 
 namespace vog::test {
 
@@ -159,19 +160,22 @@ TEST_F(gpu_pictures, of_clipped_depth_are_the_closed_form) {
     for (auto [name, camera] : kCameras) {
         camera.eye = camera.eye + model.origin;
         camera.look_at = camera.look_at + model.origin;
-        DepthImage expected;
-        DepthRenderer(Renderer::trace, std::make_shared<Gaussians>(model), {.clip = clip})
-            .render(camera, kWidth, kHeight, expected);
+        PictureRenderer renderer(scene_of(model));
+        PictureRequest request{.camera = camera,
+                               .width = kWidth,
+                               .height = kHeight,
+                               .renderer = Renderer::trace,
+                               .options = {.clip = clip}};
+        const DepthImage expected = bare_depth(renderer, request);
         const float most = *std::ranges::max_element(expected.depth);
         EXPECT_GT(most, 0);
         for (const EmulatedGpu& gpu : emulated_gpus()) {
             SCOPED_TRACE(gpu.name + " " + name);
             gpu.prepare();
-            DepthRenderer renderer(gpu.renderer, std::make_shared<Gaussians>(model),
-                                   {.clip = clip});
-            DepthImage depth;
-            renderer.render(camera, kWidth, kHeight, depth);
-            EXPECT_TRUE(renderer.gpu_ms().has_value());
+            PictureRenderer on_gpu(scene_of(model));
+            request.renderer = gpu.renderer;
+            const DepthImage depth = bare_depth(on_gpu, request);
+            EXPECT_TRUE(on_gpu.report().gpu_ms.has_value());
             for (std::size_t n = 0; n < depth.depth.size(); ++n)
                 ASSERT_NEAR(depth.depth[n], expected.depth[n], 1e-5 * double{most}) << n;
         }
@@ -304,20 +308,18 @@ TEST_F(gpu_pictures, of_wrong_input_are_refused_in_one_line) {
                   std::vector<float>(6, 0.0f));
         EXPECT_TRUE(std::isnan(empty.maximum(field, camera, 3, 2).value[5]));
     }
-    const auto shared = std::make_shared<Gaussians>(model);
-    Clipping clip = some_planes();
-    for (const Renderer renderer : {Renderer::cuda, Renderer::optix}) {
-        TraceOptions collect;
-        collect.anyhit = AnyHit::collect;
-        EXPECT_NE(
-            refusal([&] { DepthRenderer(renderer, shared, {.aabb_sigma = 1, .clip = clip}); }),
-            "no error");
-        EXPECT_NE(
-            refusal([&] { DepthRenderer(renderer, shared, {.trace = collect, .clip = clip}); }),
-            "no error");
-        EXPECT_NE(refusal([&] { DepthRenderer(renderer, shared, {.samples = 2, .clip = clip}); }),
-                  "no error");
-    }
+    PictureRenderer clipped(scene_of(model));
+    const Clipping clip = some_planes();
+    TraceOptions collect;
+    collect.anyhit = AnyHit::collect;
+    for (const Renderer renderer : {Renderer::cuda, Renderer::optix})
+        for (const RenderOptions& options : {RenderOptions{.aabb_sigma = 1, .clip = clip},
+                                             RenderOptions{.trace = collect, .clip = clip},
+                                             RenderOptions{.samples = 2, .clip = clip}})
+            EXPECT_NE(refusal([&] {
+                          (void)bare_depth(clipped, {.renderer = renderer, .options = options});
+                      }),
+                      "no error");
 }
 
 }  // namespace vog::test

@@ -12,7 +12,7 @@
 #include "support/random_volume.h"
 #include "support/refusal.h"
 #include "vog/distributed.h"
-#include "vog/renderer.h"
+#include "vog/picture.h"
 
 namespace vog::test {
 
@@ -244,21 +244,24 @@ TEST_F(gpu_volumes, of_maxima_are_the_references) {
 }
 
 TEST_F(gpu_volumes, have_the_references_depth_with_clips) {
-    const std::vector<Volume> volumes{leaves_and_tiles(12, grid_maps()[1].second)};
-    const Box box = box_of_leaves(volumes[0]);
-    RenderOptions options;
-    options.clip = clip_of(box);
-    options.samples = 2;
+    const Volume volume = leaves_and_tiles(12, grid_maps()[1].second);
+    const Box box = box_of_leaves(volume);
+    const vog::Scene scene = scene_of(volume);
+    PictureRequest request{.width = kWidth, .height = kHeight};
+    request.options.clip = clip_of(box);
+    request.options.samples = 2;
     for (const Camera& camera : cameras_of(box)) {
-        DepthImage expected, found;
-        DepthRenderer(Renderer::reference, volumes, options)
-            .render(camera, kWidth, kHeight, expected);
+        request.camera = camera;
+        request.renderer = Renderer::reference;
+        PictureRenderer reference(scene);
+        const DepthImage expected = bare_depth(reference, request);
+        request.renderer = Renderer::optix;
         const double most = largest_of(expected.depth);
         EXPECT_GT(most, 0);
         each_traversal([&] {
-            DepthRenderer optix(Renderer::optix, volumes, options);
-            optix.render(camera, kWidth, kHeight, found);
-            EXPECT_TRUE(optix.gpu_ms().has_value());
+            PictureRenderer optix(scene);
+            const DepthImage found = bare_depth(optix, request);
+            EXPECT_TRUE(optix.report().gpu_ms.has_value());
             expect_same(found.depth, expected.depth, 1e-6 * most);
         });
     }
@@ -275,7 +278,7 @@ TEST_F(gpu_volumes, of_levels_are_the_references) {
         const Camera camera = looking_at(world_box(levels.volumes[0]), 2.5);
         each_traversal([&] {
             GpuVolumes gpu(levels, fields);
-            // Of cut voxels the reference has moments in floats (vog/field_maps.h): 3e-4 of the field's range, ten.
+            // Of cut voxels the reference has moments in floats (render/reference/reference.h): 3e-4 of the field's range, ten.
             expect_same(
                 gpu.fields(FieldPart::view, camera, kWidth, kHeight),
                 render_field_reference(levels, fields, FieldPart::view, camera, kWidth, kHeight),

@@ -17,7 +17,7 @@
 #include "support/expected_maps.h"
 #include "support/scenes.h"
 #include "vog/error.h"
-#include "vog/renderer.h"
+#include "vog/picture.h"
 
 namespace vog::test {
 
@@ -533,17 +533,18 @@ TEST(field_maps, of_two_halves_are_those_of_the_whole) {
 TEST(field_maps, under_a_clip_have_the_column_of_T_and_nothing_outside) {
     const auto model = std::make_shared<Gaussians>(model_of(300, 0.1, 0.4, 91));
     const Camera camera = pinhole({2, 1.5, 3}, {0, 0, 0}, 40);
-    RenderOptions options;
-    options.clip.box = Box{{-0.5, -0.5, -0.2}, {0.4, 0.5, 0.5}};
-    DepthImage depth;
-    DepthRenderer(Renderer::splat, model, options).render(camera, 64, 64, depth);
+    Clipping some;
+    some.box = Box{{-0.5, -0.5, -0.2}, {0.4, 0.5, 0.5}};
+    PictureRenderer renderer(scene_of(model));
+    const DepthImage depth = bare_depth(
+        renderer, {.camera = camera, .width = 64, .height = 64, .options = {.clip = some}});
     const float most = *std::ranges::max_element(depth.depth);
     Clipping all, none;
     all.box = Box{{-9, -9, -9}, {9, 9, 9}};
     none.box = Box{{5, 5, 5}, {6, 6, 6}};
     for (const auto& [name, render] : all_renderers()) {
         SCOPED_TRACE(name);
-        const FieldMaps maps = render(*model, kScalar, camera, 64, 64, options.clip);
+        const FieldMaps maps = render(*model, kScalar, camera, 64, 64, some);
         for (std::size_t n = 0; n < depth.depth.size(); ++n)
             EXPECT_NEAR(maps.column[n], depth.depth[n], 2e-5f * most);
         const FieldMaps whole = render(*model, kScalar, camera, 64, 64, {});

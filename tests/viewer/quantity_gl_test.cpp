@@ -241,17 +241,18 @@ TEST_F(quantity_gl, differences_are_of_shares_of_the_scale) {
 
 TEST_F(quantity_gl, clipped_depth_is_the_cpus) {
     const Gaussians model = cloud_with_fields();
-    RenderOptions options;
-    options.clip = middle_of(model);
-    options.clip.planes.push_back({{1, 2, 0.5}, dot(Vec3d{1, 2, 0.5}, view_box(model).center())});
-    DepthRenderer cpu(vog::Renderer::splat, std::make_shared<const Gaussians>(model), options);
+    PictureRequest request{.width = kWidth, .height = kHeight};
+    Clipping& clip = request.options.clip;
+    clip = middle_of(model);
+    clip.planes.push_back({{1, 2, 0.5}, dot(Vec3d{1, 2, 0.5}, view_box(model).center())});
+    PictureRenderer cpu(scene_of(model));
     for (const View& view : views(model)) {
         SCOPED_TRACE(view.name);
-        DepthImage expected;
-        cpu.render(view.camera, kWidth, kHeight, expected);
+        request.camera = view.camera;
+        DepthImage expected = bare_depth(cpu, request);
         set_extinction(expected, auto_extinction(expected));
         VolumeLook look;
-        look.clip = options.clip;
+        look.clip = clip;
         const SumImage sums = drawn(model, {Drawn::Kind::depth, {}, look, 32, {}}, view.camera);
         DepthImage depth(kWidth, kHeight);
         for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] = sums.value[4 * n];

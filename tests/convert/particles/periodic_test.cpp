@@ -8,7 +8,7 @@
 #include "support/refusal.h"
 #include "vog/convert_points.h"
 #include "vog/periodic.h"
-#include "vog/renderer.h"
+#include "vog/picture.h"
 
 namespace vog::test {
 namespace {
@@ -35,12 +35,10 @@ DepthImage column_of(const Gaussians& model, int axis, int size) {
     up[(axis + 1) % 3] = 1;
     Camera camera{kBox.center() + 20.0 * along, kBox.center(), up};
     camera.orthographic_width = 8;
-    RenderOptions options;
-    options.clip = inside_period({kBox, {}}, model);
-    DepthImage depth;
-    DepthRenderer(Renderer::splat, std::make_shared<Gaussians>(model), options)
-        .render(camera, size, size, depth);
-    return depth;
+    PictureRenderer renderer(scene_of(model));
+    return bare_depth(
+        renderer,
+        {.camera = camera, .width = size, .height = size, .options = {.clip = {kBox, {}}}});
 }
 double mass_of(const DepthImage& depth) {
     double sum = 0;
