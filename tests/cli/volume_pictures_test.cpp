@@ -176,8 +176,6 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
               "model.ply: --show maximum needs a scalar field");
     must_fail(2, "render model.ply -o p.png --show mean --field density --clip 0,0,0,1,-1,1",
               "y from 0 to -1, expected the first below the second");
-    must_fail(1, "render model.ply -o p.png --aabb-sigma 1 --clip 0,0,0,1,1,1",
-              "a clip of Gaussians with bounding boxes");
 }
 
 TEST_F(volume_pictures_command, show_the_largest_value) {

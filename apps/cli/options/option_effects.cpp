@@ -146,7 +146,6 @@ const Row kRows[] = {
     {"render", "--step", "--interpolation", "linear"},
     {"render", "--slab-hits --stop-transmittance", "--anyhit", "collect"},
     {"render", "--anyhit", "show", "T column"},
-    {"render", "--clip --clip-plane", "--anyhit", "accumulate"},
     {"render", "--slab-hits", "show", "T column"},
     {"render", "--stop-transmittance", "show", "T"},
     {"render", "--aabb-sigma", "by value", "trace optix"},

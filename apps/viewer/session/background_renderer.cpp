@@ -90,8 +90,7 @@ ResolvedPicture picture_of(const RenderRequest& request, int width, int height) 
     made.width = width, made.height = height;
     made.renderer = request.voxels ? vog::Renderer::reference : library_renderer(request.renderer);
     made.options.clip = drawn.look.clip;
-    // Clipped pictures have no levels of detail.
-    if (!request.voxels && drawn.look.clip.empty()) made.options.pixel_error = request.pixel_error;
+    if (!request.voxels) made.options.pixel_error = request.pixel_error;
     return picture;
 }
 

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "core/parallel.h"
-#include "render/by_value/clipped_depth.h"
 
 namespace vog::by_value {
 
@@ -243,14 +242,6 @@ std::vector<LightQuadratic> value_planes(const Gaussians& gaussians, const Scala
         out.spread = static_cast<float>(spread);
     });
     return all;
-}
-
-ScalarField still_field(const Gaussians& gaussians) {
-    ScalarField field;
-    field.gradient.assign(gaussians.size(), Vec3f{0, 0, 0});
-    field.value.assign(gaussians.size(), 0);
-    field.deviation = field.skewness = field.value;
-    return field;
 }
 
 }  // namespace vog::by_value

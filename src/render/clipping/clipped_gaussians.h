@@ -12,6 +12,19 @@ namespace vog::clipping {
 /// Part of a support that a clip leaves.
 enum class Kept { all, part, none };
 
+/// Box around the supports, relative to Gaussians::origin: around the sphere of each.
+/// cutoff  k
+Box support_box(const Gaussians& gaussians, double cutoff);
+/// Planes of a clip that cut off some of a box, and the clip's box if that does: of a box inside nothing.
+Clipping cutting(Clipping clip, const Box& box);
+
+/// Share of a Gaussian's integral along the ray through its mean that a clip leaves: what counts of a Gaussian that is
+/// drawn as a point.
+/// clip, frame  relative to the same point as the mean, which lies in front of the eye
+/// cutoff       k
+double share_at_mean(const Clipping& clip, Vec3d mean, const Mat3& whitening, double cutoff,
+                     const CameraFrame& frame);
+
 /// A clip of a model's Gaussians, in coordinates relative to Gaussians::origin.
 class GaussianClip {
   public:
@@ -27,14 +40,13 @@ class GaussianClip {
     RayInterval ray(Vec3d origin, Vec3d direction) const {
         return clipped_ray(clip_, origin, direction);
     }
-    /// Share of the integral along the ray through the mean that stays: what counts of a Gaussian that is
-    /// drawn as a point.
-    /// frame  relative to Gaussians::origin; the mean lies in front of the eye
+    /// clipping::share_at_mean of Gaussian i.
+    /// frame  relative to Gaussians::origin
     double share_at_mean(std::size_t i, const CameraFrame& frame) const;
 
   private:
     Clipping clip_;
-    std::vector<ClipPlane> planes_;  ///< the box's, too
+    std::vector<ClipPlane> planes_;  ///< the box's, too; normals of length 1
     const Gaussians& gaussians_;
     double cutoff_;
 };

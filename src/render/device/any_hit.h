@@ -133,7 +133,8 @@ VOG_HD bool integrate(const HitList& list, const Gaussian* gaussians, const floa
         const Gaussian& g = gaussians[list.hit[n].index];
         Hit hit;
         if (intersect(g, ray, cutoff2, hit))
-            add_depth(sum, share_of(shares, list.hit[n].index) * optical_depth(g, hit), rounding);
+            add_depth(sum, share_of(shares, list.hit[n].index) * clipped_depth(g, hit, ray),
+                      rounding);
         if (sum.depth() >= stop_depth) return false;
     }
     return list.count == list.capacity;

@@ -29,6 +29,7 @@ struct Ray {
     Double3 direction;  ///< unit length
     Double3 inverse;    ///< 1 / direction; a zero component counts as 1e-300
     float length;
+    double end;          ///< t behind which nothing counts; infinite without a clip
     Exact3 from, along;  ///< origin and direction
 };
 
@@ -42,6 +43,7 @@ VOG_HD double slab_inverse(double component) {
 VOG_HD void set_ray(Double3 origin, Double3 direction, Ray& ray) {
     ray.origin = origin;
     ray.direction = direction;
+    ray.end = HUGE_VAL;
     ray.inverse = {slab_inverse(direction.x), slab_inverse(direction.y), slab_inverse(direction.z)};
     ray.from = exact(origin);
     ray.along = exact(direction);

@@ -68,11 +68,19 @@ VOG_HD bool intersect(const Gaussian& g, const Ray& ray, float cutoff2, Hit& hit
 }
 
 /// Optical depth tau of the hit: density times the integral of the kernel over [entry, exit].
-VOG_HD float optical_depth(const Gaussian& g, const Hit& hit) {
+/// after  chord length behind the nearest point
+VOG_HD float optical_depth(const Gaussian& g, const Hit& hit, float after) {
     const float sqrt_pi_half = 0.886226925452758f;      // sqrt(pi) / 2
     const float before = fminf(hit.half, hit.nearest);  // chord length before the nearest point
     return g.density * sqrt_pi_half * hit.width * expf(-0.5f * hit.m2) *
-           (erff(hit.half / hit.width) + erff(before / hit.width));
+           (erff(after / hit.width) + erff(before / hit.width));
+}
+VOG_HD float optical_depth(const Gaussian& g, const Hit& hit) {
+    return optical_depth(g, hit, hit.half);
+}
+/// The same of the part before the end of the ray; not above 0: nothing.
+VOG_HD float clipped_depth(const Gaussian& g, const Hit& hit, const Ray& ray) {
+    return optical_depth(g, hit, fminf(hit.half, static_cast<float>(ray.end) - hit.nearest));
 }
 
 /// True if the ray meets the paper's bounding box of the Gaussian, mean - half to mean + half,
@@ -87,7 +95,7 @@ VOG_HD bool meets_box(const Gaussian& g, const Ray& ray, const Bounds& scene) {
     upper = {fmin(fmax(upper.x, scene.lower.x), scene.upper.x),
              fmin(fmax(upper.y, scene.lower.y), scene.upper.y),
              fmin(fmax(upper.z, scene.lower.z), scene.upper.z)};
-    double enter = 0, leave = HUGE_VAL;
+    double enter = 0, leave = ray.end;
     clip_to_box(lower - ray.origin, upper - ray.origin, ray.inverse, enter, leave);
     return enter <= leave;
 }

@@ -1,6 +1,4 @@
 // picture_renderer.cpp: PictureRenderer: the renderer of a request, prepared for its scene.
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <map>
 
@@ -23,18 +21,6 @@ struct Prepared {
     Interpolation interpolation;
     friend auto operator<=>(const Prepared&, const Prepared&) = default;
 };
-
-/// throws  vog::Error for options that clipped T of models does not have
-void require_clippable(const RenderOptions& options) {
-    const auto refuse = [](const char* what) {
-        throw Error(fmt::format("a clip of Gaussians with {}, expected one of them", what));
-    };
-    if (options.aabb_sigma != 0) refuse("bounding boxes");
-    if (options.pixel_error) refuse("a largest error of nodes");
-    if (options.trace.stop_transmittance > 0) refuse("an end of rays by transmittance");
-    if (options.trace.anyhit == AnyHit::collect) refuse("collected hits");
-    if (options.samples != 1) refuse("several rays a pixel");
-}
 
 }  // namespace
 
@@ -122,8 +108,6 @@ void PictureRenderer::draw(const ResolvedPicture& picture, Sums& sums, const Pro
     if (scene.has_voxels()) {
         state_->draw_joint(picture, sums, progress);
     } else {
-        if (is_depth(request.show) && !request.options.clip.empty())
-            require_clippable(request.options);
         ResolvedPicture inside = picture;
         inside.request.options.clip = inside_period(request.options.clip, *scene.model().model);
         state_->draw_joint(inside, sums, progress);

@@ -1,7 +1,6 @@
 // splat_pictures.cpp: pictures of a model by splatting on the CPU.
 #include <optional>
 
-#include "render/by_value/clipped_depth.h"
 #include "render/picture/source_renderer.h"
 #include "render/splat/fields/field_splat.h"
 #include "render/splat/splat.h"
@@ -21,8 +20,7 @@ class SplatPictures : public SourceRenderer {
 
     void prepare(const ResolvedPicture& picture) override {
         const PictureRequest& request = picture.request;
-        if (is_depth(request.show) && request.options.clip.empty() && !splat_)
-            splat_.emplace(model(), splat_options(request));
+        if (is_depth(request.show) && !splat_) splat_.emplace(model(), splat_options(request));
     }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress& progress) override {
@@ -38,16 +36,11 @@ class SplatPictures : public SourceRenderer {
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
         const PictureRequest& request = picture.request;
-        const Camera& camera = picture.camera();
-        if (!request.options.clip.empty()) {
-            image = by_value::clipped_depth_splat(model(), request.options.clip, options_.kappa,
-                                                  camera, request.width, request.height);
-            return;
-        }
         prepare(picture);
         const SplatOptions options = splat_options(request);
         splat_->set_cut(options.cut);
-        splat_->render(camera, request.width, request.height, image, progress);
+        splat_->set_clip(request.options.clip);
+        splat_->render(picture.camera(), request.width, request.height, image, progress);
         if (options.hierarchy) report.cut = splat_->cut_report();
     }
 

@@ -1,7 +1,6 @@
 // trace_pictures.cpp: pictures of a model by rays on the CPU.
 #include <optional>
 
-#include "render/by_value/clipped_depth.h"
 #include "render/picture/source_renderer.h"
 #include "render/trace/trace.h"
 
@@ -16,8 +15,7 @@ class TracePictures : public SourceRenderer {
 
     void prepare(const ResolvedPicture& picture) override {
         const PictureRequest& request = picture.request;
-        if (is_depth(request.show) && request.options.clip.empty() && !scene_)
-            scene_.emplace(trace_scene(*model_, scene_options_));
+        if (is_depth(request.show) && !scene_) scene_.emplace(trace_scene(*model_, scene_options_));
     }
     FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                      const Progress& progress) override {
@@ -31,17 +29,10 @@ class TracePictures : public SourceRenderer {
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
         const PictureRequest& request = picture.request;
-        if (!request.options.clip.empty()) {
-            TraceOptions options;
-            options.progress = progress;
-            image = by_value::clipped_depth_trace(*model_, request.options.clip,
-                                                  scene_options_.kappa, picture.camera(),
-                                                  request.width, request.height, options);
-            return;
-        }
         prepare(picture);
         image = render_trace(*scene_, picture.camera(), request.width, request.height,
-                             trace_options(request, progress), &report.traced.emplace());
+                             trace_options(request, progress), &report.traced.emplace(),
+                             request.options.clip);
     }
 
     ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) override {

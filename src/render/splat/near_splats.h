@@ -1,10 +1,10 @@
-// near_splats.h: Splats that may contain the eye, drawn by the exact integral over a segment.
+// near_splats.h: Gaussians that the eye or a clip may cut, as they are integrated along each ray, and splats beside a clip.
 #pragma once
 
-#include <algorithm>
+#include <vector>
 
-#include "render/ray_gaussian.h"
-#include "render/splat/splat_kernels.h"
+#include "render/clipping/clipped_gaussians.h"
+#include "render/splat/projected_splats.h"
 
 namespace vog::splat {
 
@@ -27,19 +27,43 @@ inline NearSplat near_splat(const SplatModel& model, std::size_t i, const Camera
     return s;
 }
 
-/// Adds T / |D| of one near splat to the pixels of a tile; the segment is clipped at the eye. |D| is
-/// the length of the pixel's direction whose forward component is 1.
-inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
-    const int y0 = std::max(s.bounds.y0 - tile.row, 0), x0 = std::max(s.bounds.x0 - tile.column, 0);
-    const int y1 = std::min(s.bounds.y1 - tile.row, kTileHeight - 1);
-    const int x1 = std::min(s.bounds.x1 - tile.column, kTileWidth - 1);
-    for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x) {
-            const double column = tile.column + x, row = tile.row + y;
-            const Vec3d e = s.e + column * s.shift_x + row * s.shift_y;
-            const Vec3d d = s.corner + column * s.step_x + row * s.step_y;
-            tile.depth[y][x] += static_cast<float>(s.density * segment_integral(e, d, cutoff));
+/// Clip of a picture's Gaussians: hidden ones are left out, and those that it cuts become near splats.
+struct SplatClip {
+    const clipping::GaussianClip& clip;
+    const SplatModel& model;
+    const CameraFrame& frame;  ///< relative to Gaussians::origin
+
+    bool empty() const { return clip.empty(); }
+    /// A far splat that the clip cuts is appended to `near`. A Gaussian that is drawn wider than it is stays far, with the share
+    /// of the chord through its mean that stays.
+    /// returns  whether it is still a far splat
+    bool keep(const SplatOrigin& origin, FarSplat& splat, std::vector<NearSplat>& near) const;
+    /// Removes hidden splats, and marks those that the clip may cut.
+    void keep(std::vector<NearSplat>& near) const;
+    /// Both, of a chunk with origins.
+    void keep(ProjectedSplats& splats, SplatChunk& chunk) const;
+    /// Rays of the tile whose first pixel is (column, row).
+    void find(int column, int row, TileRays& rays) const;
+};
+
+/// Rays of a tile, found for the first splat that needs them.
+class LazyRays {
+  public:
+    LazyRays(const SplatClip& clip, int column, int row, TileRays& rays)
+        : clip_(clip), column_(column), row_(row), rays_(rays) {}
+    const TileRays& of(const NearSplat& splat) {
+        if (splat.clipped && !found_) {
+            clip_.find(column_, row_, rays_);
+            found_ = true;
         }
-}
+        return rays_;
+    }
+
+  private:
+    const SplatClip& clip_;
+    int column_, row_;
+    TileRays& rays_;
+    bool found_ = false;
+};
 
 }  // namespace vog::splat

@@ -40,7 +40,7 @@ void ProjectedSplats::split(std::size_t first, std::size_t last) {
     }
 }
 
-void ProjectedSplats::bin() {
+void ProjectedSplats::bin(const CameraFrame& frame) {
     bins.place();
     vog::parallel_for(std::size_t{0}, chunk_count_, [&](std::size_t n) {
         bins.fill(n, bounds_of(chunks_[n]), static_cast<std::uint32_t>(chunks_[n].slot));
@@ -48,6 +48,13 @@ void ProjectedSplats::bin() {
     near.clear();
     for (std::size_t n = 0; n < chunk_count_; ++n)
         near.insert(near.end(), chunks_[n].near.begin(), chunks_[n].near.end());
+    if (near.empty()) return;
+    near_bounds.clear();
+    for (const NearSplat& splat : near) near_bounds.push_back(splat.bounds);
+    near_bins.start(frame.width, frame.height, 1);
+    near_bins.count(0, near_bounds);
+    near_bins.place();
+    near_bins.fill(0, near_bounds, 0);
 }
 
 }  // namespace vog::splat

@@ -22,19 +22,46 @@ struct SplatChunk {
     std::vector<NearSplat> near;
 };
 
+/// Calls add(indices, count) for the splats that touch tile t.
+/// bounds  of all splats
+template <class Add>
+void visit_bins(const TileBins& bins, std::span<const PixelBounds> bounds, int t,
+                const CameraFrame& frame, const Add& add) {
+    const int column = t % bins.columns() * kTileWidth, row = t / bins.columns() * kTileHeight;
+    const int right = std::min(column + kTileWidth, frame.width) - 1;
+    const int bottom = std::min(row + kTileHeight, frame.height) - 1;
+    // Splats that touch many tiles are not binned: select those that touch this one.
+    constexpr std::size_t kAtOnce = 64;
+    std::uint32_t wide[kAtOnce];
+    std::size_t wide_count = 0;
+    for (const std::uint32_t n : bins.wide()) {
+        const PixelBounds& b = bounds[n];
+        if (b.x0 > right || b.x1 < column || b.y0 > bottom || b.y1 < row) continue;
+        wide[wide_count++] = n;
+        if (wide_count == kAtOnce) {
+            add(wide, wide_count);
+            wide_count = 0;
+        }
+    }
+    add(wide, wide_count);
+    add(bins.of_tile(t).data(), bins.of_tile(t).size());
+}
+
 /// Buffers are kept from picture to picture.
 class ProjectedSplats {
   public:
     /// Projects and bins Gaussians first ... last - 1.
-    /// each  called in parallel with every chunk, once projected; may remove splats, the rest first
+    /// each  called in parallel with every chunk, once projected; may remove far splats, the rest first, and change
+    ///       the near ones
     template <class Each>
     void project(const SplatKernels& kernels, const SplatModel& model, const CameraFrame& frame,
                  std::size_t first, std::size_t last, const Each& each);
-    /// Calls add_far(indices, count) for the far splats that touch tile t, in an order that does not
-    /// depend on threads.
-    /// returns  whether there is any, near ones included
-    template <class AddFar>
-    bool visit(int t, const CameraFrame& frame, const AddFar& add_far) const;
+    /// Calls add_far(indices, count) for the far splats that touch tile t, then add_near(splat) for the near ones, in an
+    /// order that does not depend on threads.
+    /// returns  whether there is any
+    template <class AddFar, class AddNear>
+    bool visit(int t, const CameraFrame& frame, const AddFar& add_far,
+               const AddNear& add_near) const;
     int column_of(int t) const { return t % bins.columns() * kTileWidth; }
     int row_of(int t) const { return t / bins.columns() * kTileHeight; }
 
@@ -42,7 +69,8 @@ class ProjectedSplats {
     std::vector<PixelBounds> bounds;
     std::vector<SplatOrigin> origin;  ///< of far splats; filled if keep_origin
     std::vector<NearSplat> near;
-    TileBins bins;
+    std::vector<PixelBounds> near_bounds;
+    TileBins bins, near_bins;
     bool keep_origin = false;
 
   private:
@@ -50,7 +78,7 @@ class ProjectedSplats {
         return std::span(bounds).subspan(chunk.slot, chunk.count);
     }
     void split(std::size_t first, std::size_t last);
-    void bin();
+    void bin(const CameraFrame& frame);
 
     std::vector<SplatChunk> chunks_;
     std::size_t chunk_count_ = 0;
@@ -88,35 +116,25 @@ void ProjectedSplats::project(const SplatKernels& kernels, const SplatModel& mod
         each(chunk);
         bins.count(n, bounds_of(chunk));
     });
-    bin();
+    bin(frame);
 }
 
-template <class AddFar>
-bool ProjectedSplats::visit(int t, const CameraFrame& frame, const AddFar& add_far) const {
-    const int column = column_of(t), row = row_of(t);
-    const int right = std::min(column + kTileWidth, frame.width) - 1;
-    const int bottom = std::min(row + kTileHeight, frame.height) - 1;
-    // Splats that touch many tiles are not binned: select those that touch this one.
-    constexpr std::size_t kAtOnce = 64;
-    std::uint32_t wide[kAtOnce];
-    std::size_t wide_count = 0;
-    bool touched = !near.empty();
+template <class AddFar, class AddNear>
+bool ProjectedSplats::visit(int t, const CameraFrame& frame, const AddFar& add_far,
+                            const AddNear& add_near) const {
+    bool touched = false;
     const auto add = [&](const std::uint32_t* index, std::size_t count) {
         if (count == 0) return;
         touched = true;
         add_far(index, count);
     };
-    for (const std::uint32_t n : bins.wide()) {
-        const PixelBounds& b = bounds[n];
-        if (b.x0 > right || b.x1 < column || b.y0 > bottom || b.y1 < row) continue;
-        wide[wide_count++] = n;
-        if (wide_count == kAtOnce) {
-            add(wide, wide_count);
-            wide_count = 0;
-        }
-    }
-    add(wide, wide_count);
-    add(bins.of_tile(t).data(), bins.of_tile(t).size());
+    visit_bins(bins, bounds, t, frame, add);
+    if (near.empty()) return touched;
+    visit_bins(near_bins, near_bounds, t, frame,
+               [&](const std::uint32_t* index, std::size_t count) {
+                   touched |= count > 0;
+                   for (std::size_t n = 0; n < count; ++n) add_near(near[index[n]]);
+               });
     return touched;
 }
 

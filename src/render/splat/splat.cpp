@@ -8,7 +8,6 @@
 
 #include "render/kernel_polynomial.h"
 #include "render/splat/near_splats.h"
-#include "render/splat/projected_splats.h"
 #include "render/splat/splat.h"
 #include "render/splat/splat_boxes.h"
 #include "render/splat/splat_kernels.h"
@@ -17,6 +16,17 @@
 namespace vog {
 
 using namespace splat;
+using clipping::GaussianClip;
+
+namespace {
+
+/// Buffers of a task.
+struct SplatTile {
+    TilePixels pixels;
+    TileRays rays;
+};
+
+}  // namespace
 
 /// Model, options and buffers, kept from picture to picture.
 struct SplatRenderer::State {
@@ -24,25 +34,47 @@ struct SplatRenderer::State {
     std::optional<ViewCut> cut;
     SplatModel model;  ///< Gaussians of the current picture: all, or a cut
     SplatOptions options;
+    Clipping clip;                ///< of the next pictures
+    std::optional<Box> supports;  ///< of all Gaussians that may be drawn; found for the first clip
     KernelPolynomial kernel;
     const SplatKernels* kernels = nullptr;
     ProjectedSplats splats;
 
-    void draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
+    Clipping cutting();
+    void draw_tile(int t, const SplatClip& kept, bool add, SplatTile& work,
                    DepthImage& image) const;
 };
 
+/// The clip without planes that cut nothing: a picture is then drawn as without them. Boxes may reach beyond supports.
+Clipping SplatRenderer::State::cutting() {
+    if (clip.empty() || options.aabb_sigma > 0) return clip;
+    if (!supports) {
+        supports = clipping::support_box(*all, double{model.cutoff});
+        if (options.hierarchy)
+            supports->include(
+                clipping::support_box(options.hierarchy->nodes, double{model.cutoff}));
+    }
+    return clipping::cutting(clip, moved(*supports, all->origin));
+}
+
 /// Draws tile number t. A tile without splats is set to 0 unless `add`.
 /// add   add to the image instead of replacing its pixels
-/// tile  buffer, all pixels 0 before and after
-void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
+/// work  buffer, all pixels 0 before and after
+void SplatRenderer::State::draw_tile(int t, const SplatClip& kept, bool add, SplatTile& work,
                                      DepthImage& image) const {
+    TilePixels& tile = work.pixels;
+    const CameraFrame& frame = kept.frame;
     tile.column = splats.column_of(t);
     tile.row = splats.row_of(t);
-    const bool touched = splats.visit(t, frame, [&](const std::uint32_t* index, std::size_t count) {
-        kernels->add_far(splats.far.data(), index, count, kernel, tile);
-    });
-    for (const NearSplat& splat : splats.near) add_near(splat, model.cutoff, tile);
+    LazyRays rays(kept, tile.column, tile.row, work.rays);
+    const bool touched = splats.visit(
+        t, frame,
+        [&](const std::uint32_t* index, std::size_t count) {
+            kernels->add_far(splats.far.data(), index, count, kernel, tile);
+        },
+        [&](const NearSplat& splat) {
+            kernels->add_near(splat, double{model.cutoff}, rays.of(splat), tile);
+        });
     if (touched) {
         kernels->finish_tile(tile, frame, model.unit, add, image.depth.data());
     } else if (!add) {
@@ -92,20 +124,23 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
     image.extinction = 1;
     image.depth.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const Progress& report = progress ? progress : s.options.progress;
-    if (s.options.aabb_sigma > 0)
-        return render_boxes(*s.kernels, s.model, s.kernel, frame, s.options.aabb_sigma, report,
-                            image);
-
     if (s.cut) s.model.gaussians = &s.cut->choose(world_frame, s.options.cut);
+    const GaussianClip clip(s.cutting(), *s.model.gaussians, double{s.model.cutoff});
+    const SplatClip kept{clip, s.model, frame};
+    if (s.options.aabb_sigma > 0)
+        return render_boxes(*s.kernels, s.kernel, kept, s.options.aabb_sigma, report, image);
+    s.splats.keep_origin = !kept.empty();
     // Batches bound the memory of the splats for models of any size.
     const std::size_t size = s.model.gaussians->size();
     const std::size_t batch = TileBins::most_splats(width, height);
     std::size_t first = 0;
     do {
         const std::size_t last = std::min(first + batch, size);
-        s.splats.project(*s.kernels, s.model, frame, first, last, [](const SplatChunk&) {});
-        draw_tiles<TilePixels>(s.splats.bins, [&](int t, TilePixels& tile) {
-            s.draw_tile(t, frame, first > 0, tile, image);
+        s.splats.project(*s.kernels, s.model, frame, first, last, [&](SplatChunk& chunk) {
+            if (!kept.empty()) kept.keep(s.splats, chunk);
+        });
+        draw_tiles<SplatTile>(s.splats.bins, [&](int t, SplatTile& work) {
+            s.draw_tile(t, kept, first > 0, work, image);
         });
         if (report) report(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
         first = last;
@@ -119,6 +154,10 @@ DepthImage SplatRenderer::render(const Camera& camera, int width, int height) {
 }
 
 void SplatRenderer::set_cut(const CutOptions& cut) { state_->options.cut = cut; }
+void SplatRenderer::set_clip(const Clipping& clip) {
+    validate(clip);
+    state_->clip = clip;
+}
 
 CutReport SplatRenderer::cut_report() const {
     return state_->cut ? state_->cut->report() : CutReport{0, 0, state_->all->size()};

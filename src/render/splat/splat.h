@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/lod.h"
@@ -62,6 +63,9 @@ class SplatRenderer {
     [[nodiscard]] DepthImage render(const Camera& camera, int width, int height);
     /// Level of detail of the next pictures.
     void set_cut(const CutOptions& cut);
+    /// Space that counts in the next pictures: chords are cut exactly. A Gaussian smaller than a pixel counts by the share of
+    /// the chord through its mean that stays. throws vog::Error as validate(Clipping) does
+    void set_clip(const Clipping& clip);
     /// Cut of the last picture; without a hierarchy: all Gaussians of the model.
     CutReport cut_report() const;
 

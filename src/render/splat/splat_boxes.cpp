@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "render/splat/near_splats.h"
-#include "render/splat/tile_bins.h"
 
 namespace vog::splat {
 
@@ -114,9 +112,10 @@ void add_boxed(const Splat& splat, const Box& box, const CameraFrame& frame, Box
 }
 
 /// Projects Gaussians first ... last - 1, one at a time to keep each with its box.
-BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
-                          const CameraFrame& frame, double aabb_sigma, std::size_t first,
-                          std::size_t last) {
+BoxedSplats project_boxed(const SplatKernels& kernels, const SplatClip& clip, double aabb_sigma,
+                          std::size_t first, std::size_t last) {
+    const SplatModel& model = clip.model;
+    const CameraFrame& frame = clip.frame;
     constexpr std::size_t kChunk = 4096;
     const Box scene = moved(view_box(*model.gaussians), -model.gaussians->origin);
     std::vector<BoxedSplats> parts((last - first + kChunk - 1) / kChunk);
@@ -130,7 +129,9 @@ BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
             SplatRun run{&far, &bounds, 0, &near};
             kernels.project(model, frame, i, i + 1, run);
             const Box box = paper_box(*model.gaussians, i, aabb_sigma, scene);
-            if (run.count > 0) add_boxed(far, box, frame, parts[n].far);
+            clip.keep(near);
+            if (run.count > 0 && clip.keep({i, false}, far, near))
+                add_boxed(far, box, frame, parts[n].far);
             for (const NearSplat& splat : near) add_boxed(splat, box, frame, parts[n].near);
         }
     });
@@ -142,14 +143,18 @@ BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
     return all;
 }
 
-/// 1 / direction of every ray of a tile, by axis, and its origin relative to the eye. A zero component
-/// becomes tiny, so that 0/0 cannot arise; correct for every face except one that contains the origin.
-struct TileRays {
+/// 1 / direction of every ray of a tile, by axis, its origin relative to the eye, and the part that a clip leaves. A zero
+/// component becomes tiny, so that 0/0 cannot arise; correct for every face except one that contains the origin.
+struct BoxRays {
     float inverse[3][kTileHeight][kTileWidth], origin[3][kTileHeight][kTileWidth];
+    float first[kTileHeight][kTileWidth], last[kTileHeight][kTileWidth];
+    TileRays clipped;
 };
-TileRays tile_rays(const CameraFrame& frame, const TilePixels& tile) {
+BoxRays box_rays(const SplatClip& clip, const TilePixels& tile) {
     constexpr double kTiny = 1e-30;
-    TileRays rays;
+    const CameraFrame& frame = clip.frame;
+    BoxRays rays;
+    clip.find(tile.column, tile.row, rays.clipped);
     for (int y = 0; y < kTileHeight; ++y)
         for (int x = 0; x < kTileWidth; ++x) {
             const Vec3d d = frame.direction(tile.column + x, tile.row + y);
@@ -160,16 +165,20 @@ TileRays tile_rays(const CameraFrame& frame, const TilePixels& tile) {
                 rays.inverse[axis][y][x] = static_cast<float>(1 / component);
                 rays.origin[axis][y][x] = static_cast<float>(from[axis]);
             }
+            const RayInterval kept = rays.clipped.kept[y][x];
+            constexpr double kMost = std::numeric_limits<float>::max();
+            rays.first[y][x] = static_cast<float>(std::min(kept.first, kMost));
+            rays.last[y][x] = static_cast<float>(std::min(kept.last, kMost));
         }
     return rays;
 }
 
-/// Adds alone[x] to depth[x] where the ray of pixel x0 <= x <= x1 meets the box in front of the eye
+/// Adds alone[x] to depth[x] where the ray of pixel x0 <= x <= x1 meets the box in front of the eye and inside the clip
 /// (the slabs between opposite faces have a point in common).
-void add_where_met(const EyeBox& box, const TileRays& rays, int y, int x0, int x1,
+void add_where_met(const EyeBox& box, const BoxRays& rays, int y, int x0, int x1,
                    const float* alone, float* depth) {
     for (int x = x0; x <= x1; ++x) {
-        float enter = 0, leave = std::numeric_limits<float>::infinity();
+        float enter = rays.first[y][x], leave = rays.last[y][x];
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const float inverse = rays.inverse[axis][y][x], from = rays.origin[axis][y][x];
             const float a = (box.lower[axis] - from) * inverse,
@@ -183,8 +192,8 @@ void add_where_met(const EyeBox& box, const TileRays& rays, int y, int x0, int x
 
 /// Draws splats into `tile`: each is drawn into a tile of its own, and added where rays meet its box.
 template <class Splat, class MakeAlone>
-void add_tile(const Boxed<Splat>& splats, std::span<const std::uint32_t> index,
-              const TileRays& rays, TilePixels& tile, const MakeAlone& make_alone) {
+void add_tile(const Boxed<Splat>& splats, std::span<const std::uint32_t> index, const BoxRays& rays,
+              TilePixels& tile, const MakeAlone& make_alone) {
     TilePixels alone = tile;
     for (const std::uint32_t n : index) {
         const TileRange range = range_in(tile, splats.bounds[n]);
@@ -200,14 +209,11 @@ void add_tile(const Boxed<Splat>& splats, std::span<const std::uint32_t> index,
 /// Splats of a tile: those binned to it, and those of many tiles that touch it.
 template <class Splat>
 std::vector<std::uint32_t> touching(const Boxed<Splat>& splats, const TileBins& bins, int t,
-                                    int column, int row) {
+                                    const CameraFrame& frame) {
     std::vector<std::uint32_t> all;
-    for (const std::uint32_t n : bins.wide()) {
-        const PixelBounds& b = splats.bounds[n];
-        if (b.x0 < column + kTileWidth && b.x1 >= column && b.y0 < row + kTileHeight && b.y1 >= row)
-            all.push_back(n);
-    }
-    all.insert(all.end(), bins.of_tile(t).begin(), bins.of_tile(t).end());
+    visit_bins(bins, splats.bounds, t, frame, [&](const std::uint32_t* index, std::size_t count) {
+        all.insert(all.end(), index, index + count);
+    });
     return all;
 }
 
@@ -223,27 +229,27 @@ TileBins bin(const Boxed<Splat>& splats, const CameraFrame& frame) {
 
 }  // namespace
 
-void render_boxes(const SplatKernels& kernels, const SplatModel& model,
-                  const KernelPolynomial& kernel, const CameraFrame& frame, double aabb_sigma,
-                  const Progress& progress, DepthImage& image) {
+void render_boxes(const SplatKernels& kernels, const KernelPolynomial& kernel,
+                  const SplatClip& clip, double aabb_sigma, const Progress& progress,
+                  DepthImage& image) {
+    const SplatModel& model = clip.model;
+    const CameraFrame& frame = clip.frame;
     const std::size_t size = model.gaussians->size();
     const std::size_t batch = TileBins::most_splats(frame.width, frame.height);
     std::fill(image.depth.begin(), image.depth.end(), 0.0f);
     std::size_t first = 0;
     do {
         const std::size_t last = std::min(first + batch, size);
-        const BoxedSplats splats = project_boxed(kernels, model, frame, aabb_sigma, first, last);
+        const BoxedSplats splats = project_boxed(kernels, clip, aabb_sigma, first, last);
         const TileBins far = bin(splats.far, frame), near = bin(splats.near, frame);
         vog::parallel_for(0, far.tiles(), [&](int t) {
-            const int column = t % far.columns() * kTileWidth;
-            const int row = t / far.columns() * kTileHeight;
-            const auto far_index = touching(splats.far, far, t, column, row);
-            const auto near_index = touching(splats.near, near, t, column, row);
+            const auto far_index = touching(splats.far, far, t, frame);
+            const auto near_index = touching(splats.near, near, t, frame);
             if (far_index.empty() && near_index.empty()) return;
             TilePixels tile;
-            tile.column = column;
-            tile.row = row;
-            const TileRays rays = tile_rays(frame, tile);
+            tile.column = t % far.columns() * kTileWidth;
+            tile.row = t / far.columns() * kTileHeight;
+            const BoxRays rays = box_rays(clip, tile);
             add_tile(splats.far, far_index, rays, tile,
                      [&](const FarSplat& splat, TilePixels& alone) {
                          const std::uint32_t only = 0;
@@ -251,7 +257,7 @@ void render_boxes(const SplatKernels& kernels, const SplatModel& model,
                      });
             add_tile(splats.near, near_index, rays, tile,
                      [&](const NearSplat& splat, TilePixels& alone) {
-                         add_near(splat, model.cutoff, alone);
+                         kernels.add_near(splat, double{model.cutoff}, rays.clipped, alone);
                      });
             kernels.finish_tile(tile, frame, model.unit, true, image.depth.data());
         });

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "render/device/pixel_limits.h"
 #include "render/splat/splat.h"
@@ -21,6 +22,8 @@
 #define HWY_TARGET_INCLUDE "render/splat/splat_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include <hwy/contrib/math/math-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace vog::splat {
@@ -32,14 +35,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "render/splat/splat_project-inl.h"
 #include "render/splat/splat_rows-inl.h"
 
+#include "render/splat/splat_near-inl.h"
+
 const SplatKernels& wide_kernels() {
     static const SplatKernels kernels{HWY_TARGET, project<WideLanes>, add_far<WideLanes>,
-                                      finish_tile<WideLanes>};
+                                      add_near<WideLanes>, finish_tile<WideLanes>};
     return kernels;
 }
 
 const SplatKernels& one_lane_kernels() {
-    static const SplatKernels kernels{0, project<OneLane>, add_far<OneLane>, finish_tile<OneLane>};
+    static const SplatKernels kernels{0, project<OneLane>, add_far<OneLane>, add_near<OneLane>,
+                                      finish_tile<OneLane>};
     return kernels;
 }
 

@@ -10,6 +10,7 @@
 #include "render/kernel_polynomial.h"
 #include "render/pixel_limits.h"
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/gaussians.h"
 
 namespace vog::splat {
@@ -41,8 +42,7 @@ struct FarSplat {
 };
 static_assert(sizeof(FarSplat) == 64);
 
-/// A Gaussian around, beside or partly behind the eye, drawn by the exact integral over a segment in
-/// double precision.
+/// A Gaussian that the eye or a clip may cut, drawn by the integral over a segment in double precision.
 struct NearSplat {
     PixelBounds bounds;
     /// Whitened vector from the ray's origin to the mean at pixel (0, 0), and its change from pixel
@@ -51,6 +51,7 @@ struct NearSplat {
     Vec3d corner, step_x, step_y;  ///< CameraFrame's, whitened
     double density = 0;            ///< peak, in units of SplatModel::unit
     std::size_t index = 0;         ///< of the Gaussian
+    bool clipped = false;          ///< whether a clip may cut it
 };
 
 /// The Gaussian that a far splat is of.
@@ -90,6 +91,11 @@ struct TilePixels {
     alignas(64) float depth[kTileHeight + kMaxRows - 1][kStride] = {};
 };
 
+/// Parts of a tile's rays that a clip leaves, in units of CameraFrame::direction.
+struct TileRays {
+    RayInterval kept[kTileHeight][TilePixels::kStride];
+};
+
 /// Pixels of a tile that a splat touches, inclusive, counted from the tile's first pixel.
 struct TileRange {
     int x0, x1, y0, y1;
@@ -109,6 +115,9 @@ struct SplatKernels {
     /// Adds splats[index[0]] ... splats[index[count - 1]] to the pixels of `tile` they touch.
     void (*add_far)(const FarSplat* splats, const std::uint32_t* index, std::size_t count,
                     const KernelPolynomial& kernel, TilePixels& tile);
+    /// Adds a near splat: the integral of its kernel, cut at k, over the part of each ray before the eye that stays.
+    /// rays  of the tile; unused unless the splat is clipped
+    void (*add_near)(const NearSplat& splat, double cutoff, const TileRays& rays, TilePixels& tile);
     /// Writes T = depth |D| unit of a tile's pixels to the rows of an image, or adds it if `add`.
     /// Sets the tile's pixels to 0 for the next tile, while they are in the cache.
     void (*finish_tile)(TilePixels& tile, const CameraFrame& frame, double unit, bool add,

@@ -1,5 +1,4 @@
 // field_trace.cpp: Maps of a field by ray tracing, one ray a pixel.
-#include "render/clipping/clipped_gaussians.h"
 #include "render/pixel_tiles.h"
 #include "render/shown_field.h"
 #include "render/trace/small_gaussians.h"
@@ -10,7 +9,6 @@
 
 namespace vog {
 
-using namespace clipping;
 using namespace trace;
 
 namespace {
@@ -18,7 +16,7 @@ namespace {
 /// Sums of the Gaussians that are drawn as splats, whose fields are constant.
 std::vector<RaySums> splatted_sums(const Gaussians& gaussians, const ShownField& shown,
                                    const SmallGaussians& small, const TraceModel& model,
-                                   const CameraFrame& frame, const GaussianClip& clip) {
+                                   const CameraFrame& frame) {
     std::vector<RaySums> sums(static_cast<std::size_t>(frame.width) *
                               static_cast<std::size_t>(frame.height));
     const double share = model.kernel.variance;
@@ -27,12 +25,6 @@ std::vector<RaySums> splatted_sums(const Gaussians& gaussians, const ShownField&
     vog::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t n) {
         const std::size_t i = small.index[n];
         planes[n] = constant_plane(shown.plane(i), gaussians, i, share);
-    });
-    std::vector<double> kept(clip.empty() ? 0 : small.splats.size());
-    vog::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t n) {
-        const std::size_t i = small.index[n];
-        const Kept part = clip.of(i);
-        kept[n] = part == Kept::part ? clip.share_at_mean(i, frame) : part == Kept::all ? 1 : 0;
     });
     for_each_splat_pixel(
         small.splats, model.kernel.kernel, frame.height,
@@ -47,7 +39,7 @@ std::vector<RaySums> splatted_sums(const Gaussians& gaussians, const ShownField&
             RaySums& sum =
                 sums[static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) +
                      static_cast<std::size_t>(x)];
-            const double tau = kept.empty() ? depth * far : kept[n] * depth * far;
+            const double tau = depth * far;
             sum.column += tau;
             sum.first += tau * plane.value;
             sum.second += tau * (plane.value * plane.value + plane.variance);
@@ -60,13 +52,13 @@ std::vector<RaySums> splatted_sums(const Gaussians& gaussians, const ShownField&
 FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
                              const Camera& camera, int width, int height,
                              const TraceOptions& options, const TraceSceneOptions& scene,
-                             const Clipping& clip) {
+                             const Clipping& world_clip) {
     if (choice.part == FieldPart::magnitude)
         return magnitude_maps(options.progress, [&](FieldPart part, const Progress& progress) {
             TraceOptions own = options;
             own.progress = progress;
             return render_field_trace(gaussians, {choice.field, part}, camera, width, height, own,
-                                      scene, clip);
+                                      scene, world_clip);
         });
     check_trace_options(options);
     if (options.anyhit == AnyHit::collect)
@@ -76,27 +68,24 @@ FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choi
     const CameraFrame frame = relative_to(frame_of(camera, width, height), model.origin);
     const ShownField shown =
         shown_field(gaussians, choice, frame, std::sqrt(double{model.cutoff2}));
-    const GaussianClip kept(clip, gaussians, std::sqrt(double{model.cutoff2}));
+    validate(world_clip);
+    const Clipping clip = relative_to(world_clip, model.origin);
     if (model.gaussians.empty()) return maps;
     const TraceBvh bvh(model);
     const TraceField field = trace_field(shown, model.gaussians.size(), model.unit);
     const device::Camera rays = scene_camera(frame, model.unit);
-    const SmallGaussians small = small_gaussians(model, rays);
+    SmallGaussians small = small_gaussians(model, rays);
+    clip_splats(model, clip, frame, small);
     const float* shares = small.shares.empty() ? nullptr : small.shares.data();
-    const std::vector<RaySums> splatted =
-        splatted_sums(gaussians, shown, small, model, frame, kept);
+    const std::vector<RaySums> splatted = splatted_sums(gaussians, shown, small, model, frame);
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         const std::size_t n = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
                               static_cast<std::size_t>(column);
         RaySums sums = splatted[n];
         device::Ray ray;
-        if (device::camera_ray(rays, model.bounds, column, row, ray)) {
-            device::RayPart part;
-            if (!kept.empty()) {
-                const RayInterval seen = kept.ray(model.unit * vec(ray.origin), vec(ray.direction));
-                part = {seen.first / model.unit, seen.last / model.unit};
-            }
-            const FieldDepths depths = bvh.accumulate(ray, shares, field, part);
+        if (device::camera_ray(rays, model.bounds, column, row, ray) &&
+            clip_ray(model, clip, ray)) {
+            const FieldDepths depths = bvh.accumulate(ray, shares, field);
             sums.column += depths.column.depth();
             sums.first += depths.first.depth();
             sums.second += depths.second.depth();

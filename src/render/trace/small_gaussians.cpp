@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "render/clipping/clipped_gaussians.h"
+#include "render/shown_field.h"
 
 namespace vog::trace {
 
@@ -48,6 +50,32 @@ SmallGaussians small_gaussians(const TraceModel& model, const device::Camera& ca
     }
     if (all_whole) small.shares.clear();
     return small;
+}
+
+void clip_splats(const TraceModel& model, const Clipping& clip, const CameraFrame& frame,
+                 SmallGaussians& small) {
+    if (clip.empty()) return;
+    vog::parallel_for(std::size_t{0}, small.splats.size(), [&](std::size_t n) {
+        const device::Gaussian& g = model.gaussians[small.index[n]];
+        Mat3 whitening;
+        for (std::size_t row = 0; row < 3; ++row)
+            whitening.row[row] = (1 / model.unit) * vec(device::to_double(g.w[row]));
+        const Vec3d mean = model.unit * vec(device::to_double(g.mean));
+        small.splats[n].weight *= static_cast<float>(
+            clipping::share_at_mean(clip, mean, whitening, model.kernel.cutoff, frame));
+    });
+}
+
+bool clip_ray(const TraceModel& model, const Clipping& clip, device::Ray& ray) {
+    if (clip.empty()) return true;
+    const RayInterval seen = clipped_ray(clip, model.unit * vec(ray.origin), vec(ray.direction));
+    const double first = seen.first / model.unit, last = seen.last / model.unit;
+    const double length = double{ray.length};
+    if (!(first < last) || first > length) return false;
+    if (first > 0) device::set_ray(ray.origin + first * ray.direction, ray.direction, ray);
+    ray.length = static_cast<float>(std::min(last, length) - first);
+    if (last < length) ray.end = last - first;
+    return true;
 }
 
 void draw_splats(const std::vector<device::TileSplat>& splats, const device::Kernel& kernel,

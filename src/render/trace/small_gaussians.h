@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "render/device/tile_splat.h"
 #include "render/trace/trace_model.h"
+#include "vog/clip.h"
 #include "vog/image.h"
 
 namespace vog::trace {
@@ -24,6 +25,14 @@ struct SmallGaussians {
 /// Finds the small Gaussians of a picture. Without effect in a boxed model: the paper's boxes are met
 /// by single rays.
 SmallGaussians small_gaussians(const TraceModel& model, const device::Camera& camera);
+/// Leaves of every splat the share of the chord through its mean that the clip leaves.
+/// clip, frame  relative to TraceModel::origin
+void clip_splats(const TraceModel& model, const Clipping& clip, const CameraFrame& frame,
+                 SmallGaussians& small);
+/// Narrows a ray to what a clip leaves.
+/// clip     relative to TraceModel::origin, world units
+/// returns  false: nothing
+bool clip_ray(const TraceModel& model, const Clipping& clip, device::Ray& ray);
 
 /// Calls add(n, column, row, tau / |D|) for the pixels of every splat n: in parallel by bands of rows, within a
 /// band in the order of the splats.

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/clipping/clipped_gaussians.h"
 #include "render/pixel_tiles.h"
+#include "render/shown_field.h"
 #include "render/trace/small_gaussians.h"
 #include "render/trace/trace_bvh.h"
 #include "render/trace/trace_options.h"
@@ -57,24 +59,33 @@ TraceScene trace_scene(const Gaussians& gaussians, const TraceSceneOptions& opti
 }
 
 DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width, int height,
-                        const TraceOptions& options, TraceReport* report) {
+                        const TraceOptions& options, TraceReport* report,
+                        const Clipping& world_clip) {
     check_trace_options(options);
+    validate(world_clip);
     const TraceScene::Data& data = scene.data();
-    const device::Camera frame = scene_camera(
-        relative_to(frame_of(camera, width, height), data.model.origin), data.model.unit);
+    const CameraFrame view = relative_to(frame_of(camera, width, height), data.model.origin);
+    const device::Bounds& bounds = data.model.bounds;
+    const Clipping clip = clipping::cutting(
+        relative_to(world_clip, data.model.origin),
+        {data.model.unit * vec(bounds.lower), data.model.unit * vec(bounds.upper)});
+    const device::Camera frame = scene_camera(view, data.model.unit);
     DepthImage image(width, height);
     TraceReport total;
     if (data.model.gaussians.empty()) {
         if (report) *report = total;
         return image;
     }
-    const SmallGaussians small = small_gaussians(data.model, frame);
+    SmallGaussians small = small_gaussians(data.model, frame);
+    clip_splats(data.model, clip, view, small);
     const float* shares = small.shares.empty() ? nullptr : small.shares.data();
     draw_splats(small.splats, data.model.kernel.kernel, frame, image);
     const double opaque = stop_depth(options) / data.model.depth_unit;
     const auto draw = [&](int column, int row, TraceReport& part) {
         device::Ray ray;
-        if (!device::camera_ray(frame, data.model.bounds, column, row, ray)) return;
+        if (!device::camera_ray(frame, data.model.bounds, column, row, ray) ||
+            !clip_ray(data.model, clip, ray))
+            return;
         double depth = 0;
         if (options.anyhit == AnyHit::accumulate) {
             device::DepthSum sum{};

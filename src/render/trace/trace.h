@@ -10,6 +10,7 @@
 
 #include "render/by_value/volume_image.h"
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/field_maps.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
@@ -50,13 +51,15 @@ class TraceScene {
 
 /// Traces one ray through every pixel centre and adds each Gaussian whose support (and box, with
 /// aabb_sigma) the ray meets. Exact; no hit is dropped.
+/// clip     space that counts: chords are cut exactly, and boxes count where the part of the ray that stays meets them. A
+///          Gaussian smaller than a pixel counts by the share of the chord through its mean that stays
 /// returns  T per pixel at extinction 1; the same bytes for any number of threads
-/// throws   vog::Error for an unusable camera or size, options out of range, stop_transmittance
+/// throws   vog::Error for an unusable camera, size or clip, options out of range, stop_transmittance
 ///          without collect
 /// cost     O(pixels (log N + hits a ray)); collect: once more for every further slab
 [[nodiscard]] DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width,
                                       int height, const TraceOptions& options = {},
-                                      TraceReport* report = nullptr);
+                                      TraceReport* report = nullptr, const Clipping& clip = {});
 
 /// As render_field_splat, by one ray a pixel.
 /// throws  vog::Error as trace_scene and render_trace do, for a field that the model lacks, and for AnyHit::collect

@@ -38,7 +38,6 @@ struct Query : RTCIntersectContext {
     std::uint32_t hits = 0;             ///< counted by accumulate
     device::HitList* list = nullptr;    ///< filled by collect
     const TraceField* field = nullptr;  ///< summed by accumulate, too
-    device::RayPart part{};             ///< of the ray, for a field
     FieldDepths sums{};
 
     Query(const TraceModel& traced, const device::Ray& along, const float* of_each)
@@ -105,14 +104,14 @@ void intersected(const RTCIntersectFunctionNArguments* args) {
 }
 
 /// Adds tau times the means of a field and of its square to the sums.
-/// tau  of the chord in front of the eye
+/// tau  of the chord on the ray
 void add_field(Query& query, unsigned index, float tau) {
     const TraceField& field = *query.field;
     const device::Gaussian& g = query.model->gaussians[index];
     const device::Ray& ray = *query.ray;
-    const device::FieldHit hit = device::field_hit(g, ray, query.model->cutoff2, query.part);
+    const device::FieldHit hit = device::field_hit(g, ray, query.model->cutoff2, {0, ray.end});
     if (!(hit.moments.zeroth > 0)) return;  // cut off, or shorter than the rounding of `intersect`
-    if (query.part.first > 0 || query.part.last < HUGE_VAL)
+    if (ray.end < HUGE_VAL)
         tau = static_cast<float>(double{device::share_of(query.shares, index)} * double{g.density} *
                                  hit.moments.zeroth);
     const device::FieldPlane plane = field.vector.empty()
@@ -131,7 +130,7 @@ void add_and_ignore(const RTCFilterFunctionNArguments* args) {
     Query& query = *static_cast<Query*>(args->context);
     const unsigned index = RTCHitN_primID(args->hit, 1, 0);
     const float tau = device::share_of(query.shares, index) *
-                      device::optical_depth(query.model->gaussians[index], query.hit);
+                      device::clipped_depth(query.model->gaussians[index], query.hit, *query.ray);
     if (query.field)
         add_field(query, index, tau);
     else
@@ -233,10 +232,9 @@ std::uint32_t TraceBvh::accumulate(const device::Ray& ray, const float* shares,
 }
 
 FieldDepths TraceBvh::accumulate(const device::Ray& ray, const float* shares,
-                                 const TraceField& field, device::RayPart part) const {
+                                 const TraceField& field) const {
     Query query(model_, ray, shares);
     query.field = &field;
-    query.part = part;
     RTCRay along = float_ray(model_, ray, 0);
     rtcOccluded1(embree_->scene.get(), &query, &along);
     return query.sums;

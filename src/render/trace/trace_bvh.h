@@ -29,9 +29,8 @@ class TraceBvh {
     std::uint32_t accumulate(const device::Ray& ray, const float* shares,
                              device::DepthSum& sum) const;
     /// The same with a field.
-    /// part  of the ray that counts, scene units
-    FieldDepths accumulate(const device::Ray& ray, const float* shares, const TraceField& field,
-                           device::RayPart part = {}) const;
+    FieldDepths accumulate(const device::Ray& ray, const float* shares,
+                           const TraceField& field) const;
     /// Fills `list` with the nearest hits after list.last, unsorted.
     void collect(const device::Ray& ray, const float* shares, device::HitList& list) const;
 

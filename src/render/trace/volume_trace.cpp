@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "render/by_value/clipped_depth.h"
 #include "render/by_value/value_light.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_tiles.h"
@@ -314,30 +313,6 @@ ValueMap render_maximum_trace(const Gaussians& gaussians, const std::string& fie
                 map.value[pixel] = value_of_share(values, share);
         });
     return map;
-}
-
-DepthImage by_value::clipped_depth_trace(const Gaussians& gaussians, const Clipping& clip,
-                                         double kappa, const Camera& camera, int width, int height,
-                                         const TraceOptions& options) {
-    VolumeLook look;
-    look.clip = clip;
-    const ScalarField still = still_field(gaussians);
-    (void)frame_of(camera, width, height);  // checks the size
-    DepthImage depth(width, height);
-    const TraceSceneOptions scene{0, kappa};
-    trace_sums(
-        gaussians, still, {camera, width, height, options, scene, look},
-        [&] {
-            LightQuadratic one;
-            one.c[3][0] = 1;
-            return std::vector<LightQuadratic>(gaussians.size(), one);
-        },
-        [&](std::size_t pixel, const LitSteps& steps) {
-            double sum = 0;
-            for (const Sum& step : steps.sums) sum += step[3];
-            depth.depth[pixel] = static_cast<float>(sum);
-        });
-    return depth;
 }
 
 }  // namespace vog

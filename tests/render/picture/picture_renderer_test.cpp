@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "render/shown_field.h"
+#include "support/exact_pixels.h"
 #include "support/field_models.h"
-#include "support/ray_voxels.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
@@ -42,7 +42,8 @@ struct Cut {
 std::vector<Cut> cuts() {
     return {{"whole", {}},
             {"box", {Box{{-0.6, -0.4, -0.7}, {0.47, 0.81, 0.3}}, {}}},
-            {"plane", {std::nullopt, {{{1, 2, -1}, 0.1}}}}};
+            {"plane", {std::nullopt, {{{1, 2, -1}, 0.1}}}},
+            {"beside", {std::nullopt, {{{1, 0, 0}, -99}}}}};
 }
 
 std::shared_ptr<const Gaussians> some_model() {
@@ -77,72 +78,11 @@ std::shared_ptr<const VolumeSet> some_voxels(std::vector<VoxelField>& heat) {
     return set;
 }
 
-/// Piece of a ray in one voxel.
-struct Piece {
-    double first, last, density, heat;
-};
-std::vector<Piece> pieces_of(const Volume& volume, const VoxelField& heat, Vec3d origin,
-                             Vec3d direction, const Clipping& clip) {
-    const IndexRay ray(volume, origin, direction);
-    const RayInterval shown = clipped_ray(clip, origin, direction);
-    std::vector<Piece> pieces;
-    for (std::size_t l = 0; l < volume.leaves.size(); ++l)
-        for (int n = 0; n < kLeafVoxels; ++n) {
-            const Leaf& leaf = volume.leaves[l];
-            if (!leaf.active(n)) continue;
-            const Vec3d at = vec_cast<double>(leaf.origin) +
-                             Vec3d{double(n >> 6), double(n >> 3 & 7), double(n & 7)};
-            const Vec3d half{0.5, 0.5, 0.5};
-            auto [first, last] = ray.cut(at - half, at + half);
-            first = std::max(first, shown.first), last = std::min(last, shown.last);
-            if (first >= last) continue;
-            const auto v = static_cast<std::size_t>(n);
-            pieces.push_back(
-                {first, last, double{leaf.value[v]}, double{heat.component.front().leaf[l][v]}});
-        }
-    std::ranges::sort(pieces, {}, &Piece::first);
-    return pieces;
-}
-
-/// Closed form of one pixel.
-struct Exact {
-    double column = 0, mean = 0, deviation = 0;
-    double maximum = std::numeric_limits<double>::quiet_NaN();
-    Rgba light{0, 0, 0, 0};
-};
-Exact exact_voxels(const std::vector<Piece>& pieces, const ValueTransfer& transfer) {
-    Exact exact;
-    double first = 0, second = 0, through = 1, r = 0, g = 0, b = 0;
-    for (const Piece& piece : pieces) {
-        const double length = piece.last - piece.first, mass = length * piece.density;
-        exact.column += mass, first += mass * piece.heat;
-        exact.maximum = std::fmax(exact.maximum, piece.heat);
-        const ValueLight light = light_of(transfer, piece.heat);
-        // Other fields than the density itself are weighed by it.
-        const double seen = through * -std::expm1(-light.extinction * mass);
-        r += seen * light.r, g += seen * light.g, b += seen * light.b, through -= seen;
-    }
-    if (exact.column > 0) exact.mean = first / exact.column;
-    for (const Piece& piece : pieces)
-        second += (piece.last - piece.first) * piece.density * (piece.heat - exact.mean) *
-                  (piece.heat - exact.mean);
-    if (exact.column > 0) exact.deviation = std::sqrt(second / exact.column);
-    exact.light = {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b),
-                   static_cast<float>(1 - through)};
-    return exact;
-}
-Exact exact_model(const Gaussians& model, Vec3d origin, Vec3d direction, const Clipping& clip) {
-    Exact exact;
-    double first = 0, second = 0;
-    for (std::size_t i = 0; i < model.size(); ++i) {
-        const FieldSums sums =
-            field_sums(model, {"temperature", FieldPart::value}, i, origin, direction, clip);
-        exact.column += sums.column, first += sums.first, second += sums.second;
-    }
-    if (!(exact.column > 0)) return exact;
-    exact.mean = first / exact.column;
-    exact.deviation = std::sqrt(std::max(second / exact.column - exact.mean * exact.mean, 0.0));
-    return exact;
+/// A model with levels of detail.
+vog::Scene scene_with_levels() {
+    Gaussians model = random_gaussians(400, 0.05, 0.2, 5);
+    auto hierarchy = std::make_shared<Hierarchy>(build_hierarchy(model));
+    return scene_of(std::make_shared<Gaussians>(std::move(model)), std::move(hierarchy));
 }
 
 /// Calls visit(pixel, origin, direction of length 1).
@@ -207,6 +147,70 @@ TEST_P(picture_renderer_models, draw_the_closed_form) {
     }
 }
 
+TEST_P(picture_renderer_models, draw_T_with_the_options_of_the_renderer) {
+    const auto& [renderer, view, cut] = GetParam();
+    const Camera camera = views()[static_cast<std::size_t>(view)].camera;
+    const Clipping clip = cuts()[static_cast<std::size_t>(cut)].clip;
+    PictureRequest boxes = request_of(Show::depth, "", camera, clip);
+    boxes.renderer = renderer;
+    boxes.options.aabb_sigma = 0.8;
+    PictureRequest other = boxes;
+    other.options.aabb_sigma = 0;
+    if (renderer == Renderer::splat) {
+        other.options.pixel_error = 4;
+    } else {
+        other.options.trace.anyhit = AnyHit::collect;
+        other.options.trace.hits_per_slab = 3;
+    }
+    const vog::Scene scene = scene_with_levels();
+    PictureRenderer drawn(scene);
+    for (const PictureRequest& request : {boxes, other}) {
+        Sums sums;
+        drawn.draw(resolve(request, scene), sums);
+        const ModelSource& source = scene.model();
+        const Gaussians* model = source.model.get();
+        ViewCut levels(*model, *source.hierarchy);
+        if (request.options.pixel_error) {
+            model = &levels.choose(frame_of(camera, kWidth, kHeight), {4, true});
+            EXPECT_EQ(drawn.report().cut->drawn(), model->size());
+            EXPECT_LT(model->size(), source.model->size());
+        }
+        double largest = 0;
+        std::vector<double> exact(sums.column.size());
+        each_ray(camera, [&](std::size_t n, Vec3d origin, Vec3d direction) {
+            exact[n] = exact_depth(*model, request.options.aabb_sigma, origin, direction, clip);
+            largest = std::max(largest, exact[n]);
+        });
+        for (std::size_t n = 0; n < exact.size(); ++n)
+            EXPECT_NEAR(sums.column[n], exact[n], 2e-5 * largest) << n;
+    }
+}
+
+TEST_P(picture_renderer_models, draw_halves_of_small_gaussians_that_make_the_whole) {
+    const auto& [renderer, view, cut] = GetParam();
+    if (cuts()[static_cast<std::size_t>(cut)].name != std::string("whole")) GTEST_SKIP() << "once";
+    // Most are smaller than a pixel, and drawn as points.
+    PictureRenderer drawn(scene_of(random_gaussians(500, 0.01, 0.2, 71)));
+    const auto draw = [&](const Clipping& clip) {
+        PictureRequest request =
+            request_of(Show::depth, "", views()[static_cast<std::size_t>(view)].camera, clip);
+        request.renderer = renderer;
+        Sums sums;
+        drawn.draw(resolve(request, drawn.scene()), sums);
+        return sums.column;
+    };
+    const std::vector<float> whole = draw({});
+    EXPECT_EQ(draw(cuts().back().clip), whole);
+    const double largest = double{*std::ranges::max_element(whole)};
+    const Vec3d normal{0.3, -0.7, 0.2};
+    const std::vector<float> a = draw({std::nullopt, {{normal, 0.02}}}),
+                             b = draw({std::nullopt, {{-normal, -0.02}}});
+    for (std::size_t n = 0; n < whole.size(); ++n)
+        EXPECT_NEAR(double{a[n]} + double{b[n]}, double{whole[n]}, 2e-5 * largest) << n;
+    EXPECT_NE(std::ranges::max(a), 0);
+    EXPECT_NE(std::ranges::max(b), 0);
+}
+
 TEST_P(picture_renderer_models, draw_the_same_values_and_light_as_rays_in_exact_order) {
     const auto& [renderer, view, cut] = GetParam();
     if (renderer == Renderer::trace) GTEST_SKIP() << "the rays themselves";
@@ -259,7 +263,7 @@ std::string name_of_models(const testing::TestParamInfo<std::tuple<Renderer, int
 }
 INSTANTIATE_TEST_SUITE_P(requests, picture_renderer_models,
                          testing::Combine(testing::Values(Renderer::splat, Renderer::trace),
-                                          testing::Range(0, 3), testing::Range(0, 3)),
+                                          testing::Range(0, 3), testing::Range(0, 4)),
                          name_of_models);
 
 class picture_renderer_voxels : public testing::TestWithParam<std::tuple<int, int>> {};
@@ -308,13 +312,38 @@ TEST_P(picture_renderer_voxels, draw_the_closed_form_of_every_quantity) {
     }
 }
 
+TEST_P(picture_renderer_voxels, draw_the_mean_of_several_rays_a_pixel) {
+    const auto& [view, cut] = GetParam();
+    const Camera camera = views()[static_cast<std::size_t>(view)].camera;
+    const Clipping clip = cuts()[static_cast<std::size_t>(cut)].clip;
+    std::vector<VoxelField> heat;
+    const auto set = some_voxels(heat);
+    const vog::Scene scene = scene_of(set);
+    PictureRequest request = request_of(Show::depth, "", camera, clip);
+    request.options.samples = 2;
+    Sums sums;
+    PictureRenderer(scene).draw(resolve(request, scene), sums);
+    const CameraFrame frame = frame_of(camera, kWidth, kHeight);
+    for (int row = 0; row < kHeight; row += 3)
+        for (int column = 0; column < kWidth; column += 3) {
+            double exact = 0;
+            for (const double x : {column - 0.25, column + 0.25})
+                for (const double y : {row - 0.25, row + 0.25})
+                    for (const Piece& piece :
+                         pieces_of(set->volumes.front(), heat.front(), frame.origin(x, y),
+                                   normalized(frame.direction(x, y)), clip))
+                        exact += 0.25 * (piece.last - piece.first) * piece.density;
+            EXPECT_NEAR(sums.column[static_cast<std::size_t>(row * kWidth + column)], exact, 1e-5);
+        }
+}
+
 std::string name_of_voxels(const testing::TestParamInfo<std::tuple<int, int>>& of) {
     const auto& [view, cut] = of.param;
     return std::string(views()[static_cast<std::size_t>(view)].name) + "_" +
            cuts()[static_cast<std::size_t>(cut)].name;
 }
 INSTANTIATE_TEST_SUITE_P(requests, picture_renderer_voxels,
-                         testing::Combine(testing::Range(0, 3), testing::Range(0, 3)),
+                         testing::Combine(testing::Range(0, 3), testing::Range(0, 4)),
                          name_of_voxels);
 
 TEST(picture_request, open_members_get_defaults_and_stated_ones_stay) {
@@ -365,10 +394,6 @@ TEST(picture_request, refusals_say_what_would_work) {
     request = {};
     request.options.clip.box = Box{{0, 0, 0}, {1, -1, 1}};
     EXPECT_NE(refused(request).find("expected the first below the second"), std::string::npos);
-    request = {};
-    request.options.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
-    request.options.aabb_sigma = 2;
-    EXPECT_EQ(refused(request), "a clip of Gaussians with bounding boxes, expected one of them");
     EXPECT_EQ(refusal([] { (void)show_named("light"); }),
               "show 'light', expected 'T', 'column', 'mean', 'deviation', 'volume' or 'maximum'");
 }

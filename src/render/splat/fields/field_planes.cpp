@@ -110,7 +110,7 @@ ViewSplat view_splat(const ShownField& shown, const Gaussians& gaussians, const 
 }
 
 void add_near_field(const NearSplat& s, const ShownField& shown, const Gaussians& gaussians,
-                    const CameraFrame& frame, double cutoff, const TileRays* rays,
+                    const CameraFrame& frame, double cutoff, const TileRays& rays,
                     FieldTile& tile) {
     const TileRange range = range_in(tile.sum[0], s.bounds);
     if (range.y0 > range.y1 || range.x0 > range.x1) return;
@@ -127,7 +127,7 @@ void add_near_field(const NearSplat& s, const ShownField& shown, const Gaussians
             const Vec3d e = s.e + column * s.shift_x + row * s.shift_y;
             const Vec3d d = s.corner + column * s.step_x + row * s.step_y;
             device::RayPart part;
-            if (rays) part = {rays->kept[y][x].first, rays->kept[y][x].last};
+            if (s.clipped) part = {rays.kept[y][x].first, rays.kept[y][x].last};
             const device::SegmentMoments moments =
                 device::segment_moments(plain(e), plain(d), cutoff * cutoff, part);
             if (!(moments.zeroth > 0)) continue;

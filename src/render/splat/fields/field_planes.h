@@ -3,7 +3,6 @@
 
 #include "render/shown_field.h"
 #include "render/splat/fields/field_kernels.h"
-#include "vog/clip.h"
 
 namespace vog::splat {
 
@@ -17,14 +16,9 @@ PlaneSplat plane_splat(const ShownField& shown, const Gaussians& gaussians,
 ViewSplat view_splat(const ShownField& shown, const Gaussians& gaussians, const SplatOrigin& origin,
                      const FarSplat& splat, const CameraFrame& frame, double share);
 
-/// Parts of a tile's rays that a clip leaves, in units of CameraFrame::direction.
-struct TileRays {
-    RayInterval kept[kTileHeight][kTileWidth];
-};
-
 /// Adds the three sums of a near splat to the pixels of a tile, by the closed form.
-/// rays  null: whole rays
+/// rays  of the tile; unused unless the splat is clipped
 void add_near_field(const NearSplat& splat, const ShownField& shown, const Gaussians& gaussians,
-                    const CameraFrame& frame, double cutoff, const TileRays* rays, FieldTile& tile);
+                    const CameraFrame& frame, double cutoff, const TileRays& rays, FieldTile& tile);
 
 }  // namespace vog::splat

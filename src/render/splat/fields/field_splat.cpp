@@ -7,13 +7,11 @@
 #include <limits>
 #include <optional>
 
-#include "render/clipping/clipped_gaussians.h"
 #include "render/pixel_limits.h"
 #include "render/splat/fields/field_planes.h"
 #include "render/splat/fields/field_splat.h"
 #include "render/splat/fields/projected_mean.h"
 #include "render/splat/near_splats.h"
-#include "render/splat/projected_splats.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -76,34 +74,7 @@ void clear(const CameraFrame& frame, int left, int top, FieldMaps& maps) {
 struct TileWork {
     FieldTile sums;
     TileRays rays;
-    std::vector<std::uint32_t> whole,
-        cut;  ///< splats of a tile that the clip leaves, and that it cuts
 };
-
-/// Scales the T of a splat.
-/// returns  false where nothing is left, or its forms leave the range of floats
-bool scale_depth(FarSplat& splat, double share) {
-    constexpr double kLeast = 1e-6;
-    if (!(share > kLeast)) return false;
-    const auto by = static_cast<float>(1 / share);
-    for (float* form : {&splat.ax, &splat.ay, &splat.a0, &splat.by, &splat.b0, &splat.cx, &splat.cy,
-                        &splat.c0, &splat.dy, &splat.d0})
-        *form *= by;
-    splat.f0 *= by * by;
-    splat.e02 *= by * by;
-    return std::isfinite(splat.f0) && std::isfinite(splat.e02);
-}
-
-/// Peak of a splat that is not widened, in SplatModel::unit. Small ones have another than their Gaussian's, for their sum
-/// over pixels (splat_widen-inl.h). e02 is 1 / (spread peak)², spread along the view; of parallel rays |W f|² / peak².
-double peak_of(const FarSplat& splat, const Gaussians& gaussians, std::size_t i,
-               const CameraFrame& frame) {
-    const Vec3d scale = vec_cast<double>(gaussians.scale[i]);
-    const Vec3d own = own_forward(gaussians, i, frame);
-    const double root = std::sqrt(double{splat.e02});
-    return frame.orthographic ? length(over(own, scale)) / root
-                              : 1 / (length(times(own, scale)) * root);
-}
 
 /// One picture in progress.
 struct Picture {
@@ -113,40 +84,15 @@ struct Picture {
     const SplatModel& model;
     const FieldPolynomials& polynomials;
     const SplatKernels& kernels;
-    const GaussianClip& clip;
+    const SplatClip& clip;
     FieldMaps& maps;  ///< column, and in mean and deviation the other sums
     ProjectedSplats splats{};
-    std::vector<std::uint8_t>
-        cut{};  ///< [far splats] whether the clip cuts them; unused without a clip
     std::vector<PlaneSplat> planes{};
     std::vector<ViewSplat> views{};
 
     void add(std::size_t first, std::size_t last);
-    void keep(SplatChunk& chunk);
-    void add_cut(TileWork& work) const;
     void draw_tile(int t, bool first, bool last, TileWork& work) const;
 };
-
-/// Removes the splats that the clip hides, and marks those that it cuts.
-void Picture::keep(SplatChunk& chunk) {
-    std::erase_if(chunk.near,
-                  [&](const NearSplat& splat) { return clip.of(splat.index) == Kept::none; });
-    std::size_t kept = chunk.slot;
-    for (std::size_t n = chunk.slot; n < chunk.slot + chunk.count; ++n) {
-        const SplatOrigin origin = splats.origin[n];
-        const Kept part = clip.of(origin.index);
-        if (part == Kept::none) continue;
-        FarSplat splat = splats.far[n];
-        const bool is_point = part == Kept::part && origin.widened;
-        if (is_point && !scale_depth(splat, clip.share_at_mean(origin.index, frame))) continue;
-        splats.far[kept] = splat;
-        splats.bounds[kept] = splats.bounds[n];
-        splats.origin[kept] = origin;
-        cut[kept] = part == Kept::part && !is_point;
-        ++kept;
-    }
-    chunk.count = kept - chunk.slot;
-}
 
 /// Adds Gaussians first ... last - 1 to the sums.
 void Picture::add(std::size_t first, std::size_t last) {
@@ -156,10 +102,9 @@ void Picture::add(std::size_t first, std::size_t last) {
         views.resize(std::max(views.size(), count));
     else
         planes.resize(std::max(planes.size(), count));
-    if (!clip.empty()) cut.resize(std::max(cut.size(), count));
     const double share = model.limits.variance;
     splats.project(kernels, model, frame, first, last, [&](SplatChunk& chunk) {
-        if (!clip.empty()) keep(chunk);
+        if (!clip.empty()) clip.keep(splats, chunk);
         for (std::size_t n = chunk.slot; n < chunk.slot + chunk.count; ++n)
             if (shown.along_rays)
                 views[n] =
@@ -176,62 +121,35 @@ void Picture::add(std::size_t first, std::size_t last) {
                         [&](int t, Nothing) { draw_tile(t, first == 0, is_last, tiles.local()); });
 }
 
-/// Adds splats that the clip cuts, ray by ray.
-void Picture::add_cut(TileWork& work) const {
-    for (const std::uint32_t n : work.cut) {
-        const std::size_t i = splats.origin[n].index;
-        NearSplat splat = near_splat(model, i, frame, whitening(gaussians, i));
-        splat.bounds = splats.bounds[n];
-        splat.density = peak_of(splats.far[n], gaussians, i, frame);
-        add_near_field(splat, shown, gaussians, frame, double{model.cutoff}, &work.rays, work.sums);
-    }
-}
-
 /// first, last  whether no other Gaussians came before, or follow
 void Picture::draw_tile(int t, bool first, bool last, TileWork& work) const {
     FieldTile& tile = work.sums;
-    bool has_rays = false;
-    const auto find_rays = [&] {
-        if (has_rays) return;
-        has_rays = true;
-        for (int y = 0; y < kTileHeight; ++y)
-            for (int x = 0; x < kTileWidth; ++x) {
-                const double column = tile.sum[0].column + x, row = tile.sum[0].row + y;
-                work.rays.kept[y][x] =
-                    clip.ray(frame.origin(column, row), frame.direction(column, row));
-            }
-    };
-    for (TilePixels& sum : tile.sum) sum.column = splats.column_of(t), sum.row = splats.row_of(t);
+    const int left = splats.column_of(t), top = splats.row_of(t);
+    for (TilePixels& sum : tile.sum) sum.column = left, sum.row = top;
+    LazyRays rays(clip, left, top, work.rays);
     const FieldKernels& loops = field_kernels(kernels);
-    const bool touched = splats.visit(t, frame, [&](const std::uint32_t* index, std::size_t count) {
-        const FarSplat* far = splats.far.data();
-        if (!clip.empty()) {
-            work.whole.clear();
-            work.cut.clear();
-            for (std::size_t n = 0; n < count; ++n)
-                (cut[index[n]] ? work.cut : work.whole).push_back(index[n]);
-            if (!work.cut.empty()) find_rays();
-            add_cut(work);
-            index = work.whole.data(), count = work.whole.size();
-        }
-        if (shown.along_rays)
-            loops.add_view(far, views.data(), index, count, polynomials, tile);
-        else
-            (frame.orthographic ? loops.add_parallel : loops.add_pinhole)(far, planes.data(), index,
-                                                                          count, polynomials, tile);
-    });
-    const TileRays* rays = clip.empty() ? nullptr : &work.rays;
-    if (rays && !splats.near.empty()) find_rays();
-    for (const NearSplat& splat : splats.near)
-        add_near_field(splat, shown, gaussians, frame, double{model.cutoff}, rays, tile);
-    if (!touched && first && last) return clear(frame, splats.column_of(t), splats.row_of(t), maps);
+    const FarSplat* far = splats.far.data();
+    const bool touched = splats.visit(
+        t, frame,
+        [&](const std::uint32_t* index, std::size_t count) {
+            if (shown.along_rays)
+                loops.add_view(far, views.data(), index, count, polynomials, tile);
+            else
+                (frame.orthographic ? loops.add_parallel : loops.add_pinhole)(
+                    far, planes.data(), index, count, polynomials, tile);
+        },
+        [&](const NearSplat& splat) {
+            add_near_field(splat, shown, gaussians, frame, double{model.cutoff}, rays.of(splat),
+                           tile);
+        });
+    if (!touched && first && last) return clear(frame, left, top, maps);
     if (touched) {
         // Without the unit of T: the sums keep their digits where T itself is too small for a float.
         float* sums[3] = {maps.column.data(), maps.mean.data(), maps.deviation.data()};
         for (std::size_t n = 0; n < 3; ++n)
             kernels.finish_tile(tile.sum[n], frame, 1, !first, sums[n]);
     }
-    if (last) finish(loops, shown, frame, model.unit, splats.column_of(t), splats.row_of(t), maps);
+    if (last) finish(loops, shown, frame, model.unit, left, top, maps);
 }
 
 /// Maps of a field of Gaussians, all of them.
@@ -253,7 +171,8 @@ void draw_maps(const Gaussians& gaussians, const FieldChoice& choice, const Came
         map->resize(pixels);
         if (size > batch) std::ranges::fill(*map, 0.0f);  // tiles of several batches are added up
     }
-    Picture picture{gaussians, shown, frame, model, polynomials, kernels, clip, maps};
+    const SplatClip kept{clip, model, frame};
+    Picture picture{gaussians, shown, frame, model, polynomials, kernels, kept, maps};
     std::size_t first = 0;
     do {
         const std::size_t last = std::min(first + batch, size);

@@ -1,4 +1,4 @@
-// slab_maximum.cpp: Largest mean over the slabs of a cell, and their sum.
+// slab_maximum.cpp: Largest mean over the slabs of a cell.
 #include "render/splat/volume/slab_maximum.h"
 
 #include <algorithm>
@@ -31,19 +31,6 @@ void maximum_cell(SlabCell& cell) {
     for (std::size_t n = 0; n < kCellPixels; ++n) {
         cell.seen[0][n] = largest[n] > kNothing ? std::clamp(largest[n], 0.0F, 1.0F) : 0;
         cell.seen[3][n] = largest[n] > kNothing ? 0.0F : 1.0F;
-    }
-}
-
-void depth_cell(SlabCell& cell, const CameraFrame& frame) {
-    cell.seen = {};
-    for (std::size_t n = 0; n < kCellPixels; ++n) {
-        const int column = cell.column + static_cast<int>(n) % kCellWidth;
-        const int row = cell.row + static_cast<int>(n) / kCellWidth;
-        double sum = 0;
-        for (int slab = cell.lowest; slab <= cell.highest; ++slab)
-            sum += double{cell.sums[static_cast<std::size_t>(slab)].channel[3][n]};
-        cell.seen[0][n] =
-            static_cast<float>(std::max(sum, 0.0) * length(frame.direction(column, row)));
     }
 }
 

@@ -51,20 +51,17 @@ DepthRange SlabPicture::find(int t, SlabBuffers& buffers) const {
         const SlabBatch& batch = batches[b];
         std::vector<std::uint32_t>& found = buffers.of_batch[b].found;
         found.clear();
-        batch.splats.visit(t, view.frame, [&](const std::uint32_t* index, std::size_t count) {
-            found.insert(found.end(), index, index + count);
-        });
+        batch.splats.visit(
+            t, view.frame,
+            [&](const std::uint32_t* index, std::size_t count) {
+                found.insert(found.end(), index, index + count);
+            },
+            [&](const NearSplat& splat) {
+                buffers.near.push_back(&splat);
+                const DepthRange depths = depths_of(view, splat.index);
+                include(depths.near, depths.far);
+            });
         for (const std::uint32_t n : found) include(batch.lights[n].near, batch.lights[n].far);
-        const int left = tiles().column_of(t), top = tiles().row_of(t);
-        for (const NearSplat& splat : batch.splats.near) {
-            const PixelBounds& at = splat.bounds;
-            if (at.x0 >= left + kTileWidth || at.x1 < left || at.y0 >= top + kTileHeight ||
-                at.y1 < top)
-                continue;
-            buffers.near.push_back(&splat);
-            const DepthRange depths = depths_of(view, splat.index);
-            include(depths.near, depths.far);
-        }
     }
     return range;
 }
@@ -162,10 +159,8 @@ void SlabPicture::write(const SlabCell& cell, Rgba* image) const {
 void SlabPicture::finish_cell(SlabCell& cell, Rgba* image) const {
     if (sums == SlabQuantity::light)
         slab_kernels(kernels).composite(view.frame, cell);
-    else if (sums == SlabQuantity::maximum)
-        maximum_cell(cell);
     else
-        depth_cell(cell, view.frame);
+        maximum_cell(cell);
     write(cell, image);
     cell.clear();
 }

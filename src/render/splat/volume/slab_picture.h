@@ -19,7 +19,7 @@ struct SlabBatch {
 };
 
 /// Quantity made of the sums over slabs.
-enum class SlabQuantity { light, maximum, depth };
+enum class SlabQuantity { light, maximum };
 
 /// Buffers of a thread.
 struct SlabBuffers {

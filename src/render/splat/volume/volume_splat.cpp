@@ -8,7 +8,6 @@
 #include <limits>
 #include <optional>
 
-#include "render/by_value/clipped_depth.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_limits.h"
 #include "render/splat/volume/slab_exchange.h"
@@ -167,23 +166,6 @@ ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& fie
                            : std::numeric_limits<float>::quiet_NaN();
     });
     return map;
-}
-
-DepthImage by_value::clipped_depth_splat(const Gaussians& gaussians, const Clipping& clip,
-                                         double kappa, const Camera& camera, int width,
-                                         int height) {
-    SlabOptions options{.slabs = 1, .kappa = kappa};
-    options.look.clip = clip;
-    const ScalarField still = still_field(gaussians);
-    SlabModel slabs(gaussians, still, options);
-    LightQuadratic one;
-    one.c[3][0] = 1;
-    const std::vector<LightQuadratic> light(gaussians.size(), one);
-    VolumeImage sums;
-    slabs.draw(light, SlabQuantity::depth, camera, width, height, sums);
-    DepthImage depth(width, height);
-    std::ranges::transform(sums.pixel, depth.depth.begin(), &Rgba::r);
-    return depth;
 }
 
 }  // namespace vog
