@@ -21,6 +21,7 @@ namespace vog::test {
 namespace {
 
 constexpr int kWidth = 40, kHeight = 30;
+constexpr double kPixelError = 40;
 
 struct View {
     const char* name;
@@ -80,7 +81,7 @@ std::shared_ptr<const VolumeSet> some_voxels(std::vector<VoxelField>& heat) {
 
 /// A model with levels of detail.
 vog::Scene scene_with_levels() {
-    Gaussians model = random_gaussians(400, 0.05, 0.2, 5);
+    Gaussians model = random_gaussians(100, 0.3, 0.6, 5);
     auto hierarchy = std::make_shared<Hierarchy>(build_hierarchy(model));
     return scene_of(std::make_shared<Gaussians>(std::move(model)), std::move(hierarchy));
 }
@@ -157,7 +158,7 @@ TEST_P(picture_renderer_models, draw_T_with_the_options_of_the_renderer) {
     PictureRequest other = boxes;
     other.options.aabb_sigma = 0;
     if (renderer == Renderer::splat) {
-        other.options.pixel_error = 4;
+        other.options.pixel_error = kPixelError;
     } else {
         other.options.trace.anyhit = AnyHit::collect;
         other.options.trace.hits_per_slab = 3;
@@ -171,9 +172,10 @@ TEST_P(picture_renderer_models, draw_T_with_the_options_of_the_renderer) {
         const Gaussians* model = source.model.get();
         ViewCut levels(*model, *source.hierarchy);
         if (request.options.pixel_error) {
-            model = &levels.choose(frame_of(camera, kWidth, kHeight), {4, true});
+            model = &levels.choose(frame_of(camera, kWidth, kHeight), {kPixelError, true});
             EXPECT_EQ(drawn.report().cut->drawn(), model->size());
-            EXPECT_LT(model->size(), source.model->size());
+            EXPECT_EQ(model->size() == source.model->size(), view == 1)
+                << "inside, all nodes are near";
         }
         double largest = 0;
         std::vector<double> exact(sums.column.size());
