@@ -49,8 +49,12 @@ GaussianClip::GaussianClip(const Clipping& clip, const Gaussians& gaussians, dou
     : clip_(relative_to(clip, gaussians.origin)), gaussians_(gaussians), cutoff_(cutoff) {
     validate(clip);
     for (const ClipPlane& plane : clip_.planes) {
-        const double per = 1 / length(plane.normal);
-        planes_.push_back({per * plane.normal, per * plane.offset});
+        // Squares of a long normal leave the range of doubles.
+        const Vec3d n = plane.normal;
+        const double largest = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+        const Vec3d scaled = (1 / largest) * n;
+        const double per = 1 / length(scaled);
+        planes_.push_back({per * scaled, per * (plane.offset / largest)});
     }
     if (!clip_.box) return;
     for (int axis = 0; axis < 3; ++axis) {
