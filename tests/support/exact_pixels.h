@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "render/shown_field.h"
+#include "render/splat/splat.h"
 #include "support/ray_voxels.h"
 #include "vog/clip.h"
 #include "vog/field_maps.h"
+#include "vog/value_transfer.h"
 #include "vog/volume_picture.h"
+#include "vog/voxel_field.h"
 
 namespace vog::test {
 

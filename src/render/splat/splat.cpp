@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "render/kernel_polynomial.h"
-#include "render/splat/near_splats.h"
+#include "render/splat/near/near_splats.h"
 #include "render/splat/splat.h"
 #include "render/splat/splat_boxes.h"
 #include "render/splat/splat_kernels.h"

@@ -2,7 +2,7 @@
 // the Gaussian's box.
 #pragma once
 
-#include "render/splat/near_splats.h"
+#include "render/splat/near/near_splats.h"
 #include "vog/image.h"
 #include "vog/progress.h"
 

@@ -2,7 +2,7 @@
 // foreach_target.h includes this file once per target: code outside HWY_NAMESPACE is guarded.
 #include "render/splat/splat_kernels.h"
 
-#include "render/splat/near_splats.h"
+#include "render/splat/near/near_splats.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,7 +35,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "render/splat/splat_project-inl.h"
 #include "render/splat/splat_rows-inl.h"
 
-#include "render/splat/splat_near-inl.h"
+#include "render/splat/near/splat_near-inl.h"
 
 const SplatKernels& wide_kernels() {
     static const SplatKernels kernels{HWY_TARGET, project<WideLanes>, add_far<WideLanes>,

@@ -11,7 +11,7 @@
 #include "render/splat/fields/field_planes.h"
 #include "render/splat/fields/field_splat.h"
 #include "render/splat/fields/projected_mean.h"
-#include "render/splat/near_splats.h"
+#include "render/splat/near/near_splats.h"
 #include "vog/error.h"
 
 namespace vog {

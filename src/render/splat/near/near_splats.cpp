@@ -1,5 +1,5 @@
 // near_splats.cpp: Splats that a clip leaves, hides and cuts.
-#include "render/splat/near_splats.h"
+#include "render/splat/near/near_splats.h"
 
 #include <cmath>
 
