@@ -8,6 +8,7 @@
 
 #include "render/gpu/chords/gpu_pictures.h"
 #include "render/splat/volume/volume_splat.h"
+#include "render/trace/trace.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
 #include "support/scenes.h"
@@ -322,6 +323,33 @@ TEST(volume_splat, gaussians_without_light_are_as_if_they_were_not_there) {
                 EXPECT_LE(all.pixel[n].b, 1e-4);
             }
             EXPECT_GT(most, 0.9);
+        }
+}
+
+TEST(volume_splat, every_cutoff_is_drawn) {
+    // Others than 2.25 have polynomials of other degrees, in loops that are not unrolled.
+    for (const double cutoff : {1.0, 2.25, 2.6, 3.0, 5.0, 8.0})
+        for (const bool orthographic : {false, true}) {
+            Gaussians model = row_of_values(2, 1);
+            model.cutoff = static_cast<float>(cutoff);
+            const Camera camera = towards({3, 1, 5}, {0, 0, 0.5}, orthographic);
+            SlabOptions many;
+            many.slabs = 128;
+            const VolumeImage slabs =
+                render_volume_splat(model, "heat", two_colors(), camera, 24, 24, many);
+            const VolumeImage exact =
+                render_volume_trace(model, "heat", two_colors(), camera, 24, 24);
+            const ValueMap most = render_maximum_splat(model, "heat", camera, 24, 24, many);
+            const ValueMap traced = render_maximum_trace(model, "heat", camera, 24, 24);
+            float opaque = 0;
+            std::size_t shown = 0;
+            for (std::size_t n = 0; n < exact.pixel.size(); ++n) {
+                opaque = std::max(opaque, exact.pixel[n].a);
+                EXPECT_NEAR(slabs.pixel[n].a, exact.pixel[n].a, 2e-3) << cutoff << " at " << n;
+                shown += !std::isnan(traced.value[n]) && !std::isnan(most.value[n]);
+            }
+            EXPECT_GT(opaque, 0.1) << cutoff;
+            EXPECT_GT(shown, 20u) << cutoff;
         }
 }
 

@@ -95,9 +95,13 @@ SlabSplat slab_splat(const SlabView& view, const SplatOrigin& origin, const FarS
 }
 
 void set_clip(const SlabView& view, SlabCell& cell) {
-    cell.clipped = !view.clip.empty();
-    if (!cell.clipped) return;
     constexpr float kMost = std::numeric_limits<float>::max();
+    cell.clipped = !view.clip.empty();
+    if (!cell.clipped) {
+        // Loops that are not unrolled clip in any case.
+        cell.clip_near.fill(-kMost), cell.clip_far.fill(kMost);
+        return;
+    }
     for (std::size_t n = 0; n < kCellPixels; ++n) {
         const double column = cell.column + static_cast<int>(n) % kCellWidth;
         const double row = cell.row + static_cast<int>(n) / kCellWidth;
