@@ -135,6 +135,39 @@ std::string transfer_json(const py::object& tf) {
     return request_json(request);
 }
 
+/// Numbers, colours and request of a picture, for pickles.
+py::tuple state_of(const py::object& self) {
+    const Picture& p = self.cast<const DrawnPicture&>().picture;
+    const ColorScale& scale = p.scale;
+    return py::make_tuple(request_json(p.made.request), p.made.name, p.made.unit, p.sums.width,
+                          p.sums.height, self.attr("column"), self.attr("mean"),
+                          self.attr("deviation"), plane(self, p.sums.maximum),
+                          plane(self, p.opacity), py::cast(Bitmap(p.image)).attr("rgba"),
+                          static_cast<int>(scale.kind), scale.low, scale.high, p.extinction);
+}
+DrawnPicture picture_of(const py::tuple& state) {
+    DrawnPicture drawn;
+    Picture& p = drawn.picture;
+    p.made.request = request_of_json(state[0].cast<std::string>());
+    p.made.name = state[1].cast<std::string>(), p.made.unit = state[2].cast<std::string>();
+    p.sums.width = state[3].cast<int>(), p.sums.height = state[4].cast<int>();
+    std::size_t at = 5;
+    for (std::vector<float>* values :
+         {&p.sums.column, &p.sums.mean, &p.sums.deviation, &p.sums.maximum, &p.opacity}) {
+        const py::object given = state[at++];
+        if (given.is_none()) continue;
+        const py::array_t<float, py::array::c_style | py::array::forcecast> array(given);
+        values->assign(array.data(), array.data() + array.size());
+    }
+    const py::array_t<float, py::array::c_style | py::array::forcecast> rgba(state[at++]);
+    p.image = Image(static_cast<int>(rgba.shape(1)), static_cast<int>(rgba.shape(0)));
+    std::copy_n(rgba.data(), rgba.size(), &p.image.pixel.front().r);
+    p.scale = {static_cast<ColorScale::Kind>(state[at].cast<int>()), state[at + 1].cast<double>(),
+               state[at + 2].cast<double>()};
+    p.extinction = state[at + 3].cast<double>();
+    return drawn;
+}
+
 void bind_picture_class(py::module_& m) {
     py::class_<DrawnPicture>(
         m, "Picture", py::buffer_protocol(),
@@ -212,6 +245,7 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
              [](const DrawnPicture& self) {
                  return py::cast(Bitmap(self.picture.image)).attr("_repr_png_")();
              })
+        .def(py::pickle(&state_of, &picture_of))
         .def("__repr__", [](const DrawnPicture& self) {
             return "<vog.Picture: " + label_of(self) + ", " +
                    std::to_string(self.picture.sums.width) + "x" +

@@ -1,6 +1,7 @@
 """Picture: its request drawn again, here and by the command; other colours of the same numbers; marks, units, refusals."""
 import functools
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -330,3 +331,13 @@ def test_the_wrong_kind_of_thing_is_a_type_error(gas, wrong):
     with pytest.raises(TypeError) as error:
         vog.render(**{"data": gas, "size": 16, **wrong})
     assert "\n" not in str(error.value) and "expected" in str(error.value)
+
+
+def test_pictures_are_pickled(volume):
+    for show in ("T", "column", "maximum", "volume"):
+        picture = vog.render(volume, size=(20, 16), show=show, color_bar=True)
+        again = pickle.loads(pickle.dumps(picture))
+        assert np.array_equal(again.values, picture.values, equal_nan=True) and again.request == picture.request
+        assert np.array_equal(again.image.rgba, picture.image.rgba) and again.scale == picture.scale and again.label == picture.label
+    column = pickle.loads(pickle.dumps(vog.render(volume, size=16, show="column")))
+    assert np.array_equal(column.recolor(tf="gray").values, column.values)
