@@ -1,4 +1,5 @@
 """Projections along an axis: column density, and means of fields weighted by density, as arrays for imshow."""
+import json
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
@@ -32,6 +33,7 @@ class Projection(_Pair):
     towards      unit vector towards the observer
     unit         unit of the array: an object or a text; None: not known
     length_unit  unit of the extent, likewise
+    request      request of the picture that the array is made of, as Picture has it
     """
 
     field: str = ""
@@ -40,6 +42,7 @@ class Projection(_Pair):
     towards: _Array
     unit: Any = None
     length_unit: Any = None
+    request: "Optional[dict[str, Any]]" = None
 
     @property
     def pixel_area(self) -> float:
@@ -80,6 +83,8 @@ class Projection(_Pair):
         cards["BTYPE"] = self.quantity if not self.field else f"{self.quantity} of {self.field}"
         cards["VIEWDIR"] = ",".join(f"{-x + 0.0:.9g}" for x in self.towards)
         cards["ORIGIN"] = f"vog {_vog.__version__}"
+        if self.request is not None:
+            cards["VOGREQ"] = json.dumps(self.request)  # how it was drawn, for vog.render
         return cards
 
     def __repr__(self) -> str:
@@ -312,7 +317,8 @@ def projection(
     place = middle @ axes
     front = place + towards * (max((_corners(*box) @ towards).max() - middle[2], 0) + deep if box is not None else deep)
     camera = _vog.Camera(front, place, above, orthographic_width=sides[0])
-    array, field_unit = _drawn(data, camera, (columns, rows), field, quantity, fields)
+    array, picture = _drawn(data, camera, (columns, rows), field, quantity, fields)
+    field_unit = picture.unit
     extent = (middle[0] - sides[0] / 2, middle[0] + sides[0] / 2, middle[1] - sides[1] / 2, middle[1] + sides[1] / 2)
 
     natural = None
@@ -335,7 +341,7 @@ def projection(
             f"projection: unit '{unit}', but the data have no units, expected Quantities in from_numpy, or vog.set_units(data, density, length)"
         )
     made = Projection(result, tuple(float(x) for x in extent))  # type: ignore[arg-type]
-    made.field, made.quantity = field or "", quantity
+    made.field, made.quantity, made.request = field or "", quantity, picture.request
     made.axes, made.towards = axes[:2], towards
     length = units.length
     made.unit = natural
@@ -352,15 +358,13 @@ def _converted(quantity: Any, unit: Any) -> Any:
         raise _vog.Error(f"projection: unit '{unit}', expected one that {quantity.units if hasattr(quantity, 'units') else quantity.unit} converts to") from None
 
 
-def _drawn(data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optional[str], quantity: str, fields: Any) -> "tuple[_Array, str]":
-    """Array [rows, columns] from the bottom up, and the text of the field's unit."""
-    if not field:
-        if fields is not None:
-            raise _vog.Error("projection: fields without a field, expected the name of one")
-        column = render(data, camera, size, show="column").values
-        return np.asarray(column, dtype=float)[::-1].copy(), ""
-    maps: Any = render(data, camera, size, show="deviation" if quantity == "deviation" else "mean", field=field, fields=fields)
-    shown = np.asarray(maps.values, dtype=float)
+def _drawn(data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optional[str], quantity: str, fields: Any) -> "tuple[_Array, Any]":
+    """Array [rows, columns] from the bottom up, and the picture that it is of."""
+    if not field and fields is not None:
+        raise _vog.Error("projection: fields without a field, expected the name of one")
+    show = "column" if not field else "deviation" if quantity == "deviation" else "mean"
+    picture: Any = render(data, camera, size, show=show, field=field or "", fields=fields)
+    shown = np.asarray(picture.values, dtype=float)
     if quantity == "integral":
-        shown = np.where(maps.column > 0, shown * maps.column, 0.0)
-    return shown[::-1].copy(), maps.unit
+        shown = np.where(picture.column > 0, shown * picture.column, 0.0)
+    return shown[::-1].copy(), picture

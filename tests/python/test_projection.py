@@ -1,4 +1,6 @@
 """vog.projection: mass, directions, fields, units, and what it refuses."""
+import json
+
 import numpy as np
 import pytest
 
@@ -162,3 +164,10 @@ def test_other_data_are_refused():
         vog.projection(np.zeros((4, 4, 4)))
     with pytest.raises(TypeError, match="vog.convert makes one of Points"):
         vog.projection(vog.sample_particles(8))
+
+
+def test_the_header_says_how_it_was_drawn(model):
+    projected = vog.projection(model, axis="x", resolution=24)
+    request = json.loads(projected.header()["VOGREQ"])
+    again = vog.render(model, **request)
+    assert np.array_equal(again.values[::-1], np.asarray(projected.array).astype(np.float32))
