@@ -69,13 +69,11 @@ TEST_F(cli, views_agree_however_they_are_given) {
     };
     must("render c.ply -o eye.png --size 40 --eye=" + list("eye") +
          " --look-at=" + list("look_at") + " --fov " + camera["fov_degrees"].dump());
-    const std::string picture = read_text(dir_ / "paper.png");
     const auto report =
         nlohmann::json::parse(must("render c.ply -o json.png --size 40 --view paper --json").out);
     EXPECT_EQ(report["camera"], camera);
-    EXPECT_EQ(picture, read_text(dir_ / "angles.png"));
-    EXPECT_EQ(picture, read_text(dir_ / "file.png"));
-    EXPECT_EQ(picture, read_text(dir_ / "eye.png"));
+    for (const char* other : {"angles.png", "file.png", "eye.png"})
+        expect_same_pixels("paper.png", other);
 }
 
 TEST_F(cli, orthographic_views_combine_with_every_way_to_place_the_camera) {
@@ -143,7 +141,7 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     // Particles render like their model of one Gaussian each.
     must("render p.csv -o p.png --value mass --size 48");
     must("render p.ply -o q.png --size 48");
-    EXPECT_EQ(read_text(dir_ / "p.png"), read_text(dir_ / "q.png"));
+    expect_same_pixels("p.png", "q.png");
     must("convert p.csv -o p.xyz");
     must("convert p.xyz p.csv -o both.ply");
     EXPECT_EQ(read_ply(dir_ / "both.ply").size(), 1000u);
@@ -319,7 +317,7 @@ TEST_F(cli, optix_draws_the_references_pictures_of_volumes_or_says_what_is_missi
         must(command + "right.png --renderer reference");
         const Result result = run(command + "gpu.png --renderer optix");
         if (result.exit_code == 0)
-            EXPECT_EQ(read_text(dir_ / "gpu.png"), read_text(dir_ / "right.png")) << what;
+            expect_same_pixels("gpu.png", "right.png");
         else
             EXPECT_NE(result.error.find("optix: "), std::string::npos) << what << result.error;
     }
@@ -350,7 +348,7 @@ TEST_F(cli, views_from_afar_draw_coarser_gaussians) {
     const std::string close = " --size 64 --fov 3 --kappa 0.001 -o ";
     must("render cloud.ply --pixel-error 0" + close + "cut.png");
     must("render plain.ply" + close + "plain.png");
-    EXPECT_EQ(read_text(dir_ / "cut.png"), read_text(dir_ / "plain.png"));
+    expect_same_pixels("cut.png", "plain.png");
 }
 
 TEST_F(cli, options_of_another_renderer_are_refused) {

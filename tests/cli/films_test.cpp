@@ -56,9 +56,7 @@ TEST_F(films, a_turn_is_the_pictures_of_its_cameras_under_one_extinction) {
                         "--distance 3 --azimuth={:.17g} --extinction {}",
                         34.37746770784939 - 90 * double(n), turn[0]["extinction"].dump()));
         // The cameras differ by rounding, in the pictures' records.
-        EXPECT_EQ(read_image(dir_ / "one.png").pixel,
-                  read_image(dir_ / turn[n]["output"].get<std::string>()).pixel)
-            << n;
+        expect_same_pixels("one.png", turn[n]["output"]);
     }
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "support/data.h"
+#include "vog/image.h"
 
 namespace vog::test {
 
@@ -57,6 +58,11 @@ class CommandLine : public testing::Test {
                 << result.error;
             EXPECT_EQ(result.out, "");
         }
+    }
+    /// Expects two pictures of equal pixels; how they were made may differ.
+    void expect_same_pixels(const std::string& one, const std::string& other) const {
+        EXPECT_EQ(read_image(dir_ / one).pixel, read_image(dir_ / other).pixel)
+            << one << ", " << other;
     }
     void write(const std::string& name, const std::string& text) const {
         std::ofstream(dir_ / name, std::ios::binary) << text;

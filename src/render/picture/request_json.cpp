@@ -69,6 +69,7 @@ Member plain(const char* key, Get get, Range range = {}) {
     using Value = std::remove_cvref_t<decltype(get(std::declval<Request&>()))>;
     return {key, [get](const Request& r) { return Json(get(r)); },
             [get, range](const std::string& name, const Json& value, Request& r) {
+                (void)range;  // of numbers
                 if constexpr (std::same_as<Value, bool>) {
                     if (!value.is_boolean()) refuse(name, value, "true or false");
                 } else if constexpr (std::same_as<Value, std::string>) {
