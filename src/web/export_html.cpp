@@ -239,11 +239,11 @@ Json model_json(const HtmlModel& model, const HtmlOptions& options) {
     constexpr int kSize = 256;
     const Camera view = first_view(finest, options);
     const DepthImage depth = render_splat(finest, view, kSize, kSize);
-    const ColorScale columns = automatic_scale({&depth, 1}, ScaleFit::log);
-    const bool empty = std::ranges::none_of(depth.depth, [](float t) { return t > 0; });
     const double extinction = options.extinction
                                   ? *options.extinction
                                   : shading::auto_extinction_of(depth, finest.source);
+    const ColorScale columns = automatic_scale({&depth, 1}, ScaleFit::log);
+    const bool empty = std::ranges::none_of(depth.depth, [](float t) { return t > 0; });
     return {{"name", model.name},
             {"center", json_of(frame.center)},
             {"unit", frame.unit},
