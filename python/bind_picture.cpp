@@ -30,12 +30,15 @@ class PictureScene {
     DrawnPicture draw(const std::string& json, const py::object& progress) try {
         PictureRequest request = request_of_json(json);
         require_effects(request);
+        const bool open_field = request.field.empty();
         prepare(request);
         const Progress report = progress_of(progress);
         return unlocked([&] {
             const std::lock_guard lock(drawing_);
-            const ResolvedPicture picture = resolve(request, renderer_->scene());
+            ResolvedPicture picture = resolve(request, renderer_->scene());
             require_effects(picture.request);
+            // Open in the request, too: other data have another name for their own values.
+            if (open_field) picture.request.field.clear();
             Sums sums;
             renderer_->draw(picture, sums, report);
             Scene frame = renderer_->scene();

@@ -40,6 +40,8 @@ Camera camera_of(const nlohmann::ordered_json& json, const std::string& where) t
                             where, key));
         }
     }
+    if (json.contains("fov_degrees") && json.contains("orthographic_width"))
+        throw Error(where + ": fov_degrees and orthographic_width, expected one of them");
     for (const char* key : {"eye", "look_at"})
         if (!json.contains(key)) throw Error(fmt::format("{}: no key '{}'", where, key));
     frame_of(camera, 1, 1);  // throws if the values make no valid camera

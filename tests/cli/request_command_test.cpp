@@ -66,6 +66,35 @@ TEST_F(request_command, options_beside_it_take_the_place_of_its_own) {
     EXPECT_EQ(model.request.transfer.range, record.request.transfer.range);
 }
 
+TEST_F(request_command, pictures_of_turns_and_of_fields_in_other_files_are_drawn_again) {
+    must("render cloud.ply -o turn/ --turntable 3 --size 20 --show column");
+    must("render --request turn/0003.png -o again.png");
+    EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "turn/0003.png"));
+    must("sample cloud other.vdb --size 64 --seed 9");
+    for (const std::string show : {"mean", "volume"}) {
+        must("render cloud.vdb --field other.vdb:density -o first.png --size 20 --show " + show);
+        must("render --request first.png -o again.png");
+        EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "first.png")) << show;
+    }
+    // The same data by name are read and drawn in the same way.
+    must("render p.csv --value mass --radius 0.4 --size 20 --show column -o first.png");
+    must("render --request first.png p.csv -o again.png");
+    expect_same_pixels("again.png", "first.png");
+}
+
+TEST_F(request_command, the_camera_is_turned_and_placed_by_options) {
+    must("render cloud.ply --eye 0,2,0 --look-at 1,0,0 --fov 90 --size 16 -o first.png");
+    const Camera first = *read_record(dir_ / "first.png").request.camera;
+    must("render --request first.png --roll 10 -o rolled.png");
+    const Camera rolled = *read_record(dir_ / "rolled.png").request.camera;
+    EXPECT_EQ(rolled.eye, first.eye);
+    EXPECT_EQ(rolled.fov_degrees, 90);
+    EXPECT_NE(rolled.up, first.up);
+    must("render --request first.png --orthographic --width 3 -o flat.png");
+    EXPECT_EQ(read_record(dir_ / "flat.png").request.camera->orthographic_width, 3);
+    must_fail(2, "render --request first.png --width 3 -o flat.png", "holds a pinhole camera");
+}
+
 TEST_F(request_command, reports_the_request_and_reads_the_report) {
     const auto report = nlohmann::json::parse(
         must("render cloud.vdb --show column --size 40 --values-out v.npy --json").out);
@@ -89,14 +118,23 @@ TEST_F(request_command, refuses_in_one_line) {
     request(R"({"picture": {}, "inputs": ["cloud.vdb"], "reading": {"--output": ["y.png"]}})");
     refused("render --request r.json -o x.png", "no option of reading");
     request(R"({"picture": {}, "inputs": ["gone.vdb"]})");
-    refused("render --request r.json -o x.png", "gone.vdb: no such file");
-    request(R"({"picture": {"renderer": "trace"}, "inputs": ["cloud.vdb"]})");
-    refused("render --request r.json -o x.png", "is a volume; convert it first");
+    refused("render --request r.json -o x.png", "gone.vdb is not in");
     request(R"({"picture": {"show": "mean", "field": "heat"}, "inputs": ["cloud.vdb"]})");
     refused("render --request r.json -o x.png", "heat");
     request(R"({"picture": {"light": "head"}, "inputs": ["cloud.vdb"]})");
     refused("render --request r.json -o x.png", "no effect");
+    request(R"({"picture": {}, "inputs": ["cloud.vdb"], "reading": {"--sum": []}})");
+    refused("render --request r.json -o x.png", "'--sum' in 'reading' has no value");
+    request(
+        R"({"picture": {"show": "mean", "field": "cloud.vdb:density"}, "inputs": ["cloud.vdb"]})");
+    refused("render --request r.json -o x.png", "'field' names a file");
+    refused("render --request '' -o x.png", "no such file");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "x.png"));
+    // Nor does a folder cost the picture that is drawn again.
+    must("render cloud.ply -o turn/ --turntable 2 --size 8");
+    const std::string second = read_text(dir_ / "turn/0002.png");
+    refused("render --request turn/0002.png -o turn/ --turntable 2", "is the picture of --request");
+    EXPECT_EQ(read_text(dir_ / "turn/0002.png"), second);
 }
 
 }  // namespace vog::test

@@ -331,7 +331,7 @@ void require_effects_of(const RenderArguments& arguments, const CLI::App& comman
 void render_files(RenderArguments& given, CLI::App& command, const RenderRanks& ranks) {
     take_request(given, command);
     RenderArguments arguments = given;
-    arguments.reading = reading_options(command);
+    arguments.reading.merge(reading_options(command));
     arguments.drawing.inputs = expanded(given.drawing.inputs);
     name_models_of_site(arguments, ranks);
     if (makes_nothing(arguments)) {

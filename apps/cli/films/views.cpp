@@ -86,7 +86,7 @@ Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Subject& s
 /// Axis of the turn: --up, or upwards in the picture of --camera.
 Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const Camera& camera,
                 const Subject& subject) {
-    return normalized(command.count("--camera") || (arguments.request && arguments.request->camera)
+    return normalized(command.count("--camera") || keeps_stored(arguments.view, command)
                           ? camera.up
                           : up_of(arguments.view, subject));
 }
@@ -133,15 +133,14 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
     const Size size = parse_size(arguments.size);
     const double aspect = double(size.width) / size.height;
     const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
-    const bool stated = arguments.request && arguments.request->camera;
-    Camera first =
-        stated ? *arguments.request->camera : camera_from(arguments.view, command, shown, aspect);
+    const bool stored = keeps_stored(arguments.view, command);
+    Camera first = camera_from(arguments.view, command, shown, aspect);
     std::vector<Camera> cameras{first};
     std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},
         values{arguments.quantity.values_output};
     if (const int count = arguments.turntable) {
         const Vec3d up = turn_axis(arguments, command, first, shown);
-        if (!stated && is_fitted(command, first))
+        if (!stored && is_fitted(command, first))
             first = fitted_to_turn(first, up, count, shown, aspect);
         cameras = turn_of(first, up, count);
         for (const std::string& output :

@@ -59,12 +59,14 @@ Camera rolled(const Camera& camera, double degrees) {
     return result;
 }
 
-/// The camera of a file, orthographic if the options say so.
+/// The camera of a file or a request, orthographic if the options say so.
 Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, double aspect) {
-    Camera camera = read_camera(arguments.camera_file);
+    Camera camera =
+        arguments.camera_file.empty() ? *arguments.stored : read_camera(arguments.camera_file);
     if (arguments.width > 0 && !arguments.orthographic && !camera.orthographic())
-        throw CLI::ValidationError("--width: " + arguments.camera_file +
-                                   " holds a pinhole camera, expected --orthographic");
+        throw CLI::ValidationError(
+            "--width: " + (arguments.camera_file.empty() ? "the request" : arguments.camera_file) +
+            " holds a pinhole camera, expected --orthographic");
     if (arguments.orthographic && !camera.orthographic())
         camera.orthographic_width = fitted_width(camera, framed(arguments, subject), aspect);
     if (arguments.width > 0) camera.orthographic_width = arguments.width;
@@ -156,6 +158,15 @@ bool view_given(const CLI::App& command) {
     });
 }
 
+bool keeps_stored(const ViewArguments& arguments, const CLI::App& command) {
+    if (!arguments.stored) return false;
+    constexpr const char* kPlacing[] = {"--view", "--azimuth", "--elevation", "--distance",
+                                        "--fov",  "--frame",   "--eye",       "--look-at",
+                                        "--up",   "--camera"};
+    return std::ranges::none_of(kPlacing,
+                                [&](const char* option) { return command.count(option) > 0; });
+}
+
 Subject framed(const ViewArguments& arguments, const Subject& subject) {
     Subject shown = subject;
     if (arguments.frame == "data" || arguments.view == "paper")
@@ -166,9 +177,10 @@ Subject framed(const ViewArguments& arguments, const Subject& subject) {
 Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Subject& subject,
                    double aspect) {
     const auto given = [&](const char* option) { return command.count(option) > 0; };
-    if (given("--width") && !given("--orthographic") && !given("--camera"))
+    const bool stored = keeps_stored(arguments, command);
+    if (given("--width") && !given("--orthographic") && !given("--camera") && !stored)
         throw CLI::ValidationError("--width needs --orthographic");
-    if (given("--camera")) return camera_of_file(arguments, subject, aspect);
+    if (given("--camera") || stored) return camera_of_file(arguments, subject, aspect);
 
     Orbit orbit = given("--up") ? Orbit{} : first_orbit(subject);
     if (given("--up")) orbit.up = parse_up(arguments.up);

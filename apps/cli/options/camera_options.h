@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
 #include "vog/camera.h"
@@ -14,6 +15,7 @@ struct ViewArguments {
     double distance_radii = 0, fov_degrees = kPaperFovDegrees, roll_degrees = 0, width = 0;
     bool orthographic = false;
     std::string frame = "content";
+    std::optional<Camera> stored{};  ///< of --request
 };
 
 /// Adds the options of cameras: --view, angles, --eye, --up, --orthographic, --camera and theirs.
@@ -24,6 +26,9 @@ Vec3d up_of(const ViewArguments& arguments, const Subject& subject);
 
 /// Whether an option of the camera was given, --save-camera included.
 bool view_given(const CLI::App& command);
+
+/// Whether the camera is that of --request: no option places another. --roll, --orthographic and --width change it.
+bool keeps_stored(const ViewArguments& arguments, const CLI::App& command);
 
 /// What a view of a subject frames by --frame: its hull, or its box.
 Subject framed(const ViewArguments& arguments, const Subject& subject);

@@ -36,7 +36,7 @@ SharedScales scales_of(const Picture& picture) {
 }
 
 void share(const SharedScales& scales, PictureRequest& request) {
-    request.extinction = scales.extinction;
+    if (request.show == Show::depth) request.extinction = scales.extinction;
     request.transfer.may_be_empty = true;
     if (request.show == Show::volume) request.transfer.unit_distance = scales.unit_distance;
     if (request.show == Show::depth || request.transfer.range || request.transfer.points.at_values)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -152,6 +153,11 @@ std::string record_of(const RenderArguments& arguments, const Picture& picture) 
 /// Writes the files of one picture.
 void save(const RenderArguments& arguments, const Picture& picture, const std::string& record,
           Stages& stages) {
+    for (const std::string& file :
+         {arguments.output, arguments.depth_output, arguments.quantity.values_output})
+        if (std::error_code code; !arguments.request_file.empty() && !file.empty() &&
+                                  std::filesystem::equivalent(file, arguments.request_file, code))
+            throw Error(file + ": is the picture of --request, expected another output");
     if (!arguments.output.empty())
         stages.run("save", [&] { save_picture(arguments, picture.image, record); });
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth(), record);
@@ -313,11 +319,8 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     for (const std::string& input : arguments.drawing.inputs)
         subject.include(subject_of(input, arguments.drawing.volume, arguments.drawing.points));
     const Size size = parse_size(arguments.size);
-    const Camera camera =
-        arguments.request && arguments.request->camera
-            ? *arguments.request->camera
-            : camera_from(arguments.view, command, arguments.subject.value_or(subject),
-                          static_cast<double>(size.width) / size.height);
+    const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
+                                      static_cast<double>(size.width) / size.height);
     // Nodes have means of values, below the largest ones.
     const double pixel_error = arguments.quantity.shown() == Show::maximum ? 0 : 1;
     arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
@@ -340,10 +343,13 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const
     Stages stages(arguments.verbose && ranks.is_root);
     SceneInputs inputs =
         stages.run("load", [&] { return load_scene(arguments.drawing, request, ranks); });
+    const bool open_field = request.field.empty();
     if (!inputs.field.empty()) request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
     ResolvedPicture picture = resolve(request, inputs.scene);
+    // The record leaves the field open, too: other data have another name for their own values.
+    if (open_field) picture.request.field.clear();
     if (request.show == Show::volume && ranks.is_root) {
         const std::vector<std::string> notes = transfer_notes(request, picture);
         print_notes(notes);

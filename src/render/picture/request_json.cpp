@@ -336,11 +336,13 @@ struct Effect {
 };
 constexpr Effect kEffects[] = {
     {"field", "mean, deviation, volume, maximum"},
-    {"range scale", "column mean, deviation, volume, maximum"},
+    {"range scale", "column, mean, deviation, volume, maximum"},
     {"window bands threshold unit_distance light light_weights", "volume"},
     {"units", "column, mean, deviation, maximum"},
     {"least_column", "mean, deviation"},
     {"extinction blend stop_transmittance", "T"},
+    {"anyhit hits_per_slab", "T, column"},
+    {"pixel_error", "T, column, mean, deviation"},
     {"slabs", "volume, maximum"},
 };
 bool names(const char* words, const std::string& one) {
@@ -364,9 +366,8 @@ void require_effects(const PictureRequest& request) {
     for (const auto& [keys, shows] : kEffects)
         for (const auto& [key, value] : stated.items())
             if (names(keys, key) && !names(shows, show))
-                throw RequestError(
-                    key, fmt::format(" has no effect on show '{}', expected one of {}", show,
-                                     std::string(shows)));
+                throw RequestError(key, fmt::format(" has no effect on show '{}', expected {}",
+                                                    show, std::string(shows)));
     if (request.fit == ScaleFit::symmetric &&
         (is_depth(request.show) || request.show == Show::volume))
         refuse_beside("scale", fmt::format("as 'symmetric' on show '{}'", show));
@@ -377,6 +378,10 @@ void require_effects(const PictureRequest& request) {
             refuse_beside(key, "beside window and bands, which state colours and values");
     if (request.renderer == Renderer::trace || request.renderer == Renderer::reference)
         refuse_beside("slabs", fmt::format("with renderer '{}'", info_of(*request.renderer).name));
+    if (is_by_value(request.show) && request.renderer && *request.renderer != Renderer::trace &&
+        *request.renderer != Renderer::optix)
+        refuse_beside("aabb_sigma", fmt::format("on show '{}' with renderer '{}'", show,
+                                                info_of(*request.renderer).name));
     if (!request.look.light) refuse_beside("light_weights", "without light");
 }
 
@@ -412,7 +417,8 @@ PictureRequest request_of_json(const std::string& text, const PictureRequest& ba
             throw RequestError(key, fmt::format(": no member of a request, expected {}",
                                                 fmt::join(request_keys(), ", ")));
         try {
-            found->read(key, value.is_null() ? found->write(unset) : value, request);
+            const bool open = value.is_null() || (key == "extinction" && value == "auto");
+            found->read(key, open ? found->write(unset) : value, request);
         } catch (const nlohmann::json::exception&) {
             refuse(key, value, "another type");
         }
