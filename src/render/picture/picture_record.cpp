@@ -78,9 +78,7 @@ PictureRecord read_record(const std::filesystem::path& file) {
         text = format == ImageFormat::kPng ? image_files::png_record(file)
                                            : image_files::exr_record(file);
         if (text.empty())
-            throw Error(
-                file.string() +
-                ": a picture without a record of how it was made, expected one that vog wrote");
+            throw Error(file.string() + ": a picture without a record of how it was made");
     }
     if (text.size() > kMostBytes)
         throw Error(file.string() + ": too long for a record of a picture");
