@@ -214,12 +214,12 @@ TEST_F(gpu_pictures, of_boxes_are_those_of_the_ray_tracer) {
     const TraceSceneOptions boxes{1, 0};
     const Camera camera = kCameras[0].second;
     const FieldMaps expected =
-        render_field_trace(model, choice, camera, kWidth, kHeight, {}, boxes, some_planes());
+        render_field_trace(model, choice, camera, kWidth, kHeight, {}, boxes);
     for (const EmulatedGpu& gpu : emulated_gpus()) {
         if (gpu.renderer != Renderer::optix) continue;
         gpu.prepare();
         GpuPictures pictures(gpu.renderer, model, boxes);
-        const FieldMaps maps = pictures.fields(choice, camera, kWidth, kHeight, some_planes());
+        const FieldMaps maps = pictures.fields(choice, camera, kWidth, kHeight);
         const float most = *std::ranges::max_element(expected.column);
         for (std::size_t n = 0; n < maps.column.size(); ++n) {
             ASSERT_NEAR(maps.column[n], expected.column[n], 1e-5f * most) << n;

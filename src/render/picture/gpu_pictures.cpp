@@ -114,6 +114,11 @@ class GpuModelPictures : public SourceRenderer {
             throw RequestError(member, fmt::format(" {}is for T without a clip with renderer '{}'",
                                                    value, info_of(renderer_).name));
         };
+        // On the device boxes are met by whole rays, elsewhere by the part that the clip leaves.
+        if (options.aabb_sigma != 0 && !options.clip.empty())
+            throw RequestError("aabb_sigma",
+                               fmt::format(" is for pictures without a clip with renderer '{}'",
+                                           info_of(renderer_).name));
         if (options.samples != 1) refuse("samples", "");
         if (options.trace.anyhit != AnyHit::accumulate) refuse("anyhit", "collect ");
         if (options.trace.stop_transmittance > 0) refuse("stop_transmittance", "");
