@@ -59,11 +59,6 @@ Subject subject_to_view(const py::object& data, const std::string& call) {
     refuse_data(data, call, "Gaussians, a Volume, Levels, Points or corners [2, 3]");
 }
 
-Camera camera_or_default(const std::optional<Camera>& camera, const py::object& data,
-                         const std::string& call, int width, int height) {
-    return camera ? *camera : default_view(subject_to_view(data, call), width, height);
-}
-
 void bind_camera(py::module_& m) {
     py::class_<Camera>(m, "Camera", R"(Pinhole or orthographic camera in world space.
 

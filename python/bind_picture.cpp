@@ -30,15 +30,14 @@ class PictureScene {
     DrawnPicture draw(const std::string& json, const py::object& progress) try {
         PictureRequest request = request_of_json(json);
         require_effects(request);
-        const bool open_field = request.field.empty();
-        prepare(request);
         const Progress report = progress_of(progress);
+        // Waits without the interpreter's lock, which a picture that is drawn may need for its progress.
+        std::unique_lock lock(drawing_, std::defer_lock);
+        unlocked([&] { lock.lock(); });
+        prepare(request);
         return unlocked([&] {
-            const std::lock_guard lock(drawing_);
-            ResolvedPicture picture = resolve(request, renderer_->scene());
+            const ResolvedPicture picture = resolve(request, renderer_->scene());
             require_effects(picture.request);
-            // Open in the request, too: other data have another name for their own values.
-            if (open_field) picture.request.field.clear();
             Sums sums;
             renderer_->draw(picture, sums, report);
             Scene frame = renderer_->scene();
@@ -59,11 +58,10 @@ class PictureScene {
                            : is_by_value(show) ? "values of " + request.field
                                                : "T";
         if (request.options.pixel_error) kind += ", cut";
-        const bool same = renderer_ && kind == kind_;
-        if (!same) {
-            Scene scene = scene_of_data(data_, fields_, request);
+        if (kind != kind_) {
+            kind_.clear();
+            renderer_ = std::make_unique<PictureRenderer>(scene_of_data(data_, fields_, request));
             field_ = request.field;
-            renderer_ = std::make_unique<PictureRenderer>(std::move(scene));
             kind_ = kind;
         }
         request.field = field_;
@@ -72,7 +70,7 @@ class PictureScene {
     py::object data_, fields_;
     std::string kind_, field_;
     std::unique_ptr<PictureRenderer> renderer_;
-    std::mutex drawing_{};  ///< buffers are for one picture at a time
+    std::mutex drawing_{};  ///< scene and buffers are for one picture at a time
 };
 
 std::string record_of(const DrawnPicture& drawn) {
@@ -124,7 +122,7 @@ py::object scale_of(const DrawnPicture& self) {
 /// "column density", "temperature [K]": name and unit of the numbers.
 std::string label_of(const DrawnPicture& self) {
     const ResolvedPicture& made = self.picture.made;
-    return made.unit.empty() ? made.name : made.name + " [" + made.unit + "]";
+    return with_unit(made.name, made.unit);
 }
 
 /// Transfer function of a name, a file or an object as JSON.
@@ -199,7 +197,8 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
                                "[height, width] float32: mean of the field along the ray, weighted "
                                "by density; None where it was not drawn.")
         .def_property_readonly("deviation", &plane_of<&Sums::deviation>,
-                               "[height, width] float32: standard deviation likewise.")
+                               "[height, width] float32: standard deviation of the field along "
+                               "the ray, weighted by density; None where it was not drawn.")
         .def_property_readonly(
             "image", [](const DrawnPicture& self) { return Bitmap(self.picture.image); },
             "The colours, a vog.Image, with the marks around it.")
@@ -242,8 +241,8 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
             py::arg("file"),
             "Writes the image as .png or .exr with the request, or the values as .npy.")
         .def("save_values", &save_values, py::arg("file"),
-             "Writes the values: .npy, or .exr with a channel Y (T and column), 'maximum', or all "
-             "of column, mean and deviation.")
+             "Writes the values: .npy, or .exr with a channel Y (T and column), 'maximum', "
+             "'opacity' (of volume), or all of column, mean and deviation.")
         .def("_repr_png_",
              [](const DrawnPicture& self) {
                  return py::cast(Bitmap(self.picture.image)).attr("_repr_png_")();

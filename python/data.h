@@ -23,9 +23,6 @@ Vec3d direction_of(const py::object& up);
 
 /// What views of data frame. call  name of the Python function, for errors
 Subject subject_to_view(const py::object& data, const std::string& call);
-/// A stated camera, or the default view of the data.
-Camera camera_or_default(const std::optional<Camera>& camera, const py::object& data,
-                         const std::string& call, int width, int height);
 
 /// Throws TypeError: "convert: got int, expected a Volume, ..."
 [[noreturn]] void refuse_data(const py::object& data, const std::string& call,

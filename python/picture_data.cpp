@@ -55,7 +55,7 @@ VoxelSource parts_by_value(const py::object& data, const py::object& fields,
     // The data's own values stand behind a given field.
     source.fields.push_back(
         shown_part(std::move(sampled.values.front()), given ? name : "", sampled.volumes));
-    request.field = source.fields.front().name;
+    if (!name.empty()) request.field = source.fields.front().name;
     auto set = std::make_shared<VolumeSet>();
     set->volumes = std::move(sampled.volumes);
     source.volumes = std::move(set);

@@ -193,7 +193,8 @@ struct PictureRequest {
     Marks marks{};
 };
 
-/// A request without open members but those that depend on the drawn numbers (extinction, ranges of maps).
+/// A request without open members but those that depend on the drawn numbers (extinction, ranges of maps), and an open field: other
+/// data have another name for their own values.
 struct ResolvedPicture {
     PictureRequest request;
     FieldChoice field{};        ///< for mean, deviation, volume and maximum

@@ -27,21 +27,17 @@ void require_effects(const PictureRequest& request);
 /// How a picture was made.
 struct PictureRecord {
     PictureRequest request;
-    std::vector<std::string> inputs;  ///< files as they were named, or names of data
+    std::vector<std::string> inputs;  ///< files as they were named
     std::map<std::string, std::vector<std::string>>
         reading{};          ///< options that these were read with
     std::string version{};  ///< version of vog that wrote it
 };
+/// Text for the writers of vog/image.h.
 std::string record_json(const PictureRecord& record);
 /// throws  vog::Error for text that is no record, and as request_of_json does
 PictureRecord record_of_json(const std::string& json);
 /// Record of a JSON file, or of a PNG or EXR picture. Reads no other file.
 /// throws  vog::Error naming the file, also for a picture without a record
 PictureRecord read_record(const std::filesystem::path& file);
-
-/// Writes the image of a picture with its record: .png or .exr.
-/// throws  vog::Error as write_image does
-void write_picture(const std::filesystem::path& file, const Image& image,
-                   const PictureRecord& record);
 
 }  // namespace vog

@@ -52,8 +52,6 @@ def _json(call: str, request: "Dict[str, Any]") -> str:
     for key in request:
         if key not in known:
             raise TypeError(f"{call}: unknown keyword '{key}', expected {', '.join(known)}")
-    if isinstance(request.get("extinction"), str) and request["extinction"] == "auto":
-        request = {**request, "extinction": None}
     try:
         return json.dumps({key: _plain(value, key) for key, value in request.items() if value is not None})
     except (_vog.Error, TypeError) as error:

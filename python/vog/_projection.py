@@ -359,7 +359,7 @@ def _converted(quantity: Any, unit: Any) -> Any:
 
 
 def _drawn(data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optional[str], quantity: str, fields: Any) -> "tuple[_Array, Any]":
-    """Array [rows, columns] from the bottom up, and the picture that it is of."""
+    """Array [rows, columns] from the bottom up, and the picture whose numbers it holds."""
     if not field and fields is not None:
         raise _vog.Error("projection: fields without a field, expected the name of one")
     show = "column" if not field else "deviation" if quantity == "deviation" else "mean"

@@ -76,6 +76,11 @@ TEST_F(request_command, pictures_of_turns_and_of_fields_in_other_files_are_drawn
         must("render --request first.png -o again.png");
         EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "first.png")) << show;
     }
+    must("export cloud.ply -o site/");
+    must("render site/ --pixel-error 6 --size 20 -o first.png");
+    must("render --request first.png -o again.png");
+    EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "first.png"));
+    EXPECT_EQ(read_record(dir_ / "first.png").request.options.pixel_error, 6);
     // The same data by name are read and drawn in the same way.
     must("render p.csv --value mass --radius 0.4 --size 20 --show column -o first.png");
     must("render --request first.png p.csv -o again.png");

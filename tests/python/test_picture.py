@@ -2,6 +2,7 @@
 import functools
 import json
 import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -341,3 +342,21 @@ def test_pictures_are_pickled(volume):
         assert np.array_equal(again.image.rgba, picture.image.rgba) and again.scale == picture.scale and again.label == picture.label
     column = pickle.loads(pickle.dumps(vog.render(volume, size=16, show="column")))
     assert np.array_equal(column.recolor(tf="gray").values, column.values)
+
+
+def test_one_scene_draws_other_quantities_on_other_threads(volume):
+    scene, shows, faults = vog.Scene(volume), ("T", "column", "maximum", "volume"), []
+    expected = {show: vog.render(volume, size=60, show=show).values for show in shows}
+
+    def draw(show):
+        for _ in range(10):
+            values = scene.render(size=60, show=show, progress=lambda done: None).values
+            if not np.array_equal(values, expected[show], equal_nan=True):
+                faults.append(show)
+
+    threads = [threading.Thread(target=draw, args=(show,)) for show in shows]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not faults

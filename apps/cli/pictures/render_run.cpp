@@ -22,7 +22,7 @@ namespace vog::cli {
 namespace {
 
 /// throws CLI::ValidationError and vog::Error before any work
-void check_arguments(const RenderArguments& arguments, bool writes) {
+void check_arguments(const RenderArguments& arguments, const PictureRequest& request, bool writes) {
     const QuantityArguments& quantity = arguments.quantity;
     check_quantity_options(quantity);
     check_value_options(arguments.value);
@@ -36,7 +36,6 @@ void check_arguments(const RenderArguments& arguments, bool writes) {
         check_output(arguments.output, arguments.drawing.inputs, {".png", ".exr"});
     if (is_file(arguments.depth_output))
         check_output(arguments.depth_output, arguments.drawing.inputs, {".exr"});
-    const PictureRequest request = stated_request(arguments);
     if (request.options.trace.stop_transmittance > 0 && !request.extinction)
         throw CLI::ValidationError(
             "--stop-transmittance: transmittance depends on the extinction, and auto is known only "
@@ -104,7 +103,6 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
     picture.primitives_text = inputs.primitives_text;
     picture.width = drawn.sums.width;
     picture.height = drawn.sums.height;
-    picture.camera = drawn.made.camera();
     picture.gaussians = inputs.gaussians;
     picture.active_voxels = inputs.active_voxels;
     picture.threads = thread_count();
@@ -332,9 +330,9 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
 
 std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const CLI::App& command,
                                              const RenderRanks& ranks) {
-    check_arguments(given, ranks.is_root);
+    PictureRequest request = stated_request(given);
+    check_arguments(given, request, ranks.is_root);
     const RenderArguments arguments = of_view(given, command, ranks);
-    PictureRequest request = stated_request(arguments);
     request.renderer =
         renderer_of(arguments.drawing,
                     common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid), command);
@@ -343,13 +341,10 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const
     Stages stages(arguments.verbose && ranks.is_root);
     SceneInputs inputs =
         stages.run("load", [&] { return load_scene(arguments.drawing, request, ranks); });
-    const bool open_field = request.field.empty();
-    if (!inputs.field.empty()) request.field = inputs.field;
+    if (!request.field.empty() && !inputs.field.empty()) request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
     ResolvedPicture picture = resolve(request, inputs.scene);
-    // The record leaves the field open, too: other data have another name for their own values.
-    if (open_field) picture.request.field.clear();
     if (request.show == Show::volume && ranks.is_root) {
         const std::vector<std::string> notes = transfer_notes(request, picture);
         print_notes(notes);

@@ -55,7 +55,6 @@ struct RenderedPicture {
     double above_range = 0;                           ///< fraction of pixels above scale->high
     std::string renderer, primitives_text;
     int width = 0, height = 0;  ///< pixels
-    Camera camera;
     std::uint64_t gaussians = 0, active_voxels = 0;
     int threads = 0;
     double extinction = 1;                ///< factor on density that T is at

@@ -111,11 +111,10 @@ void require_inputs(const std::vector<std::string>& inputs) {
                             printable(input, 200), std::filesystem::current_path(code).string()));
 }
 
-/// The record of --request: of a file, or JSON itself.
-PictureRecord record_of(const std::string& request) {
+/// Whether --request is JSON itself, not a file.
+bool is_json(const std::string& request) {
     const std::size_t first = request.find_first_not_of(" \t\r\n");
-    return first != request.npos && request[first] == '{' ? record_of_json(request)
-                                                          : read_record(request);
+    return first != request.npos && request[first] == '{';
 }
 
 }  // namespace
@@ -143,7 +142,9 @@ PictureRequest stated_request(const RenderArguments& arguments) {
 
 void take_request(RenderArguments& arguments, CLI::App& command) try {
     if (command.count("--request") == 0) return;
-    const PictureRecord record = record_of(arguments.request_file);
+    const PictureRecord record = is_json(arguments.request_file)
+                                     ? record_of_json(arguments.request_file)
+                                     : read_record(arguments.request_file);
     std::vector<std::string>& inputs = arguments.drawing.inputs;
     if (inputs.empty()) require_inputs(inputs = record.inputs);
     if (names_file(record.request.field))
@@ -174,9 +175,8 @@ void take_request(RenderArguments& arguments, CLI::App& command) try {
     arguments.request = std::move(request);
 } catch (const Error& error) {
     const std::string text = error.what(), file = arguments.request_file;
-    const bool named = text.starts_with(file) || file.find('{') != file.npos;
-    throw Error(named ? (text.starts_with(file) ? text : "--request: " + text)
-                      : file + ": " + text);
+    const std::string name = is_json(file) ? "--request" : file;
+    throw Error(text.starts_with(name) ? text : name + ": " + text);
 }
 
 std::map<std::string, std::vector<std::string>> reading_options(const CLI::App& command) {

@@ -185,6 +185,7 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
     TransferFunction colors = picture.colors;
     if (show == Show::volume) {
         finished.image = over(own.light, own.width, own.height, picture.request.shading.background);
+        finished.opacity.reserve(own.light.size());
         for (const Rgba& pixel : own.light) finished.opacity.push_back(pixel.a);
         finished.scale = picture.chosen.scale;
         if (picture.request.marks.color_bar) colors = bar_of(picture.chosen);

@@ -89,9 +89,4 @@ PictureRecord read_record(const std::filesystem::path& file) {
     }
 }
 
-void write_picture(const std::filesystem::path& file, const Image& image,
-                   const PictureRecord& record) {
-    write_image(file, image, record_json(record));
-}
-
 }  // namespace vog

@@ -64,23 +64,28 @@ struct Range {
     const char* text;
 };
 
+/// A truth, a text, or a number of the range.
+template <class Value>
+Value checked(const std::string& key, const Json& value, const Range& range) {
+    if constexpr (std::same_as<Value, bool>) {
+        if (!value.is_boolean()) refuse(key, value, "true or false");
+    } else if constexpr (std::same_as<Value, std::string>) {
+        if (!value.is_string()) refuse(key, value, "text");
+    } else {
+        const double given = number(key, value, range.text);
+        if (!(given >= range.low && given <= range.high) ||
+            (std::integral<Value> && given != std::floor(given)))
+            refuse(key, value, range.text);
+    }
+    return value.get<Value>();
+}
+
 template <class Get>
 Member plain(const char* key, Get get, Range range = {}) {
     using Value = std::remove_cvref_t<decltype(get(std::declval<Request&>()))>;
     return {key, [get](const Request& r) { return Json(get(r)); },
             [get, range](const std::string& name, const Json& value, Request& r) {
-                (void)range;  // of numbers
-                if constexpr (std::same_as<Value, bool>) {
-                    if (!value.is_boolean()) refuse(name, value, "true or false");
-                } else if constexpr (std::same_as<Value, std::string>) {
-                    if (!value.is_string()) refuse(name, value, "text");
-                } else {
-                    const double given = number(name, value, range.text);
-                    if (!(given >= range.low && given <= range.high) ||
-                        (std::integral<Value> && given != std::floor(given)))
-                        refuse(name, value, range.text);
-                }
-                get(r) = value.get<Value>();
+                get(r) = checked<Value>(name, value, range);
             }};
 }
 template <class Get>
@@ -89,12 +94,7 @@ Member open(const char* key, Get get, Range range) {
     return {key, [get](const Request& r) { return get(r) ? Json(*get(r)) : Json(); },
             [get, range](const std::string& name, const Json& value, Request& r) {
                 get(r).reset();
-                if (value.is_null()) return;
-                const double given = number(name, value, range.text);
-                if (!(given >= range.low && given <= range.high) ||
-                    (std::integral<Value> && given != std::floor(given)))
-                    refuse(name, value, range.text);
-                get(r) = value.get<Value>();
+                if (!value.is_null()) get(r) = checked<Value>(name, value, range);
             }};
 }
 template <class Get>

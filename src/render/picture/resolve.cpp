@@ -185,9 +185,6 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     if (is_field_map(show) || is_by_value(show)) {
         const Fields fields = names_of(scene);
         picture.field = field_of(request, scene, fields);
-        request.field = picture.field.field;
-        constexpr const char* kParts[] = {"", "", ".x", ".y", ".z", ".magnitude"};
-        request.field += kParts[static_cast<std::size_t>(picture.field.part)];
         const std::string label = field_label(picture.field);
         picture.name = show == Show::volume ? "volume of " + label : quantity_label(show, label);
         stated = unit_of(fields, picture.field.field);

@@ -85,7 +85,7 @@ TEST(picture_record, lies_in_files_of_pictures) {
     const PictureRecord record{
         picture.made.request, {"däta.ply", "b.ply"}, {{"--grid", {"density"}}}, "9.8"};
     for (const char* name : {"a.png", "a.exr"}) {
-        write_picture(folder / name, picture.image, record);
+        write_image(folder / name, picture.image, record_json(record));
         EXPECT_EQ(record_json(read_record(folder / name)), record_json(record)) << name;
         EXPECT_EQ(read_image(folder / name).width, 40);
     }
