@@ -59,7 +59,7 @@ head='{"size": [2, 2, 2], "type": "uint16", "channels": 1, "skip": 1}'
 cat >"$folder/results/index.json" <<'JSON'
 {"vog_models": ["model.0.ply", "model.1.ply"]}
 JSON
-for show in T "volume --light head --clip-plane 1,0,0,0" "maximum --slabs 3 --title a"; do
+for show in T "volume --light head --clip-plane 1,0,0,0" "maximum --background white"; do
     "$vog" render "$made/cloud.vdb" --show $show --size 8 -o "$made/record.png" >/dev/null
     "$vog" render --request "$made/record.png" -o "$folder/record/${show%% *}.exr" >/dev/null
     cp "$made/record.png" "$folder/record/${show%% *}.png"
