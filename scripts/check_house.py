@@ -27,7 +27,7 @@ PUBLIC_HEADERS = {
     "data": "camera dense distributed fields gaussians image levels lod points subject value_counts volume voxel_values",
     "io": "exchange model_io openvdb ply scan_io site units vogz volume_io voxel_field",
     "shade": "quantity shade value_transfer",
-    "render": "clip field_maps periodic picture picture_record renderer scene volume_picture",
+    "render": "clip field_maps periodic picture picture_record renderer request_schema scene volume_picture",
     "compare": "compare compare_maps vogz_fit",
     "convert": "convert convert_fields convert_moments convert_paper convert_points",
     "voxelize": "voxelize",

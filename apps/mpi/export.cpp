@@ -42,7 +42,7 @@ FileKind check(const SiteArguments& arguments, const CLI::App& command) {
                         "writes pages and files)",
                         given.output));
     std::vector<std::string> read = given.inputs;
-    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.color.tf});
+    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.words.word("tf")});
     cli::check_distinct({arguments.page.view.save_camera}, read);
     const FileKind kind = cli::common_kind(given.inputs, given.volume.grid);
     if (kind == FileKind::points)
@@ -52,7 +52,7 @@ FileKind check(const SiteArguments& arguments, const CLI::App& command) {
                         given.inputs.front()));
     cli::Facts facts = cli::conversion_facts(given, command, kind);
     facts["output"] = "site";
-    facts["show"] = arguments.page.quantity.quantity.show;
+    facts["show"] = word_of(arguments.page.words.show());
     cli::require_effects(command, facts);
     cli::check_names(arguments.page, kind == FileKind::model ? given.inputs.size() : 1);
     cli::check_page_options(arguments.page, command);

@@ -1,4 +1,4 @@
-// vog/renderer.h: All renderers: names, what each draws, and the options that go with each.
+// vog/renderer.h: All renderers: names, what each draws, and the options of all.
 #pragma once
 
 #include <cstdint>
@@ -109,34 +109,5 @@ struct RenderOptions {
     int samples = 1;
     Clipping clip{};  ///< space that counts; for all renderers
 };
-
-/// One member of RenderOptions that some renderers have and others lack.
-enum class RenderOption {
-    anyhit,
-    hits_per_slab,
-    stop_transmittance,
-    aabb_sigma,
-    pixel_error,
-    kappa,
-    interpolation,
-    step,
-    samples,
-    clip,
-};
-/// Options whose values are not the defaults.
-std::vector<RenderOption> changed_options(const RenderOptions& options);
-
-/// Spelling of options in messages.
-enum class OptionSpelling {
-    flags,      ///< "--kappa", "--renderer trace": the command line's
-    arguments,  ///< "kappa", "renderer 'trace'": a function's
-};
-/// "--kappa" or "kappa".
-std::string spelled(RenderOption option, OptionSpelling spelling);
-/// Checks that every option in `given` goes with the renderer, the input and the other options: an
-/// option without effect is an error.
-/// throws vog::Error: "--kappa is not for --renderer reference, expected splat or trace or ..."
-void require_options(Renderer renderer, RenderInput input, std::span<const RenderOption> given,
-                     OptionSpelling spelling);
 
 }  // namespace vog

@@ -73,6 +73,7 @@
 #include "vog/quantity.h"
 #include "vog/rate_distortion.h"
 #include "vog/renderer.h"
+#include "vog/request_schema.h"
 #include "vog/sample.h"
 #include "vog/scene.h"
 #include "vog/shade.h"

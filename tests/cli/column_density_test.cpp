@@ -91,7 +91,7 @@ TEST_F(column_density_command, colours_follow_the_range_and_its_logarithm) {
     const auto middle = [&] { return read_image(dir_ / "map.png").at(16, 16).r; };
     must(view + "--range 0,10");
     EXPECT_NEAR(middle(), 0.5, 1.0 / 255);
-    must(view + "--range 0.05,500 --log");
+    must(view + "--range 0.05,500 --scale log");
     EXPECT_NEAR(middle(), 0.5, 1.0 / 255);
     must(view + "--range 0,2 --background 0,0,1");
     EXPECT_EQ(middle(), 1);
@@ -129,14 +129,14 @@ TEST_F(column_density_command, a_colour_bar_of_t_leaves_the_picture_as_it_was) {
 TEST_F(column_density_command, options_that_contradict_are_refused) {
     write_cube("cube.vdb", 0.25f);
     const std::string render = "render cube.vdb -o a.png ";
-    must_fail(2, render + "--log", "--log has no effect with --show T");
+    must_fail(2, render + "--scale log", "--scale has no effect with --show T");
     must_fail(2, render + "--range 0,1", "--range has no effect with --show T");
     must_fail(2, render + "--units g", "--units has no effect with --show T");
     must_fail(2, render + "--show column --extinction 2", "--extinction");
     must_fail(2, render + "--show column --blend", "--blend");
     for (const char* range : {"1", "2,1", "a,b", "0,inf", "1,2,3", "0,1x"})
         must_fail(2, render + "--show column --range " + range, "--range");
-    must_fail(2, render + "--show column --log --range 0,1", "above 0 (--log)");
+    must_fail(2, render + "--show column --scale log --range 0,1", "above 0");
     must_fail(2, "render cube.vdb --show column --values-out a.npy --color-bar", "--color-bar");
     must_fail(1, render + "--values-out a.txt", "a.txt: cannot write");
     must_fail(1, render + "--title '\xe6\x97\xa5'", "no glyph");

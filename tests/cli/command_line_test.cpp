@@ -271,7 +271,7 @@ TEST_F(cli, traces_the_picture_it_splats) {
     must("render cloud.ply --size 64 --extinction 1 --depth-out splat.exr");
     const DepthImage splat = read_depth(dir_ / "splat.exr");
     const float largest = *std::max_element(splat.depth.begin(), splat.depth.end());
-    for (const char* anyhit : {"accumulate", "collect --slab-hits 2"}) {
+    for (const char* anyhit : {"accumulate", "collect --hits-per-slab 2"}) {
         const Result traced =
             must(std::string("render cloud.ply --size 64 --extinction 1 --renderer trace ") +
                  "--depth-out trace.exr --json --anyhit " + anyhit);

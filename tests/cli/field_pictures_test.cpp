@@ -62,8 +62,6 @@ TEST_F(field_pictures_command, say_in_one_line_what_is_missing) {
               "it works with --show mean, deviation, volume or maximum");
     must_fail(2, render + "--show column --scale symmetric", "--scale symmetric has no effect");
     must_fail(2, render + "--show mean --field t --extinction 2", "--extinction");
-    must_fail(2, render + "--show mean --field t --log --scale linear",
-              "--log has no effect with --scale linear");
     must_fail(2, render + "--show mean --field t --depth-out a.exr", "use --values-out FILE.exr");
     must_fail(2, render + "--show mean --field t --range 3,2", "--range 3,2");
     must_fail(1, render + "--show mean --field temperature",

@@ -176,7 +176,7 @@ TEST_F(inputs, options_without_effect_are_refused) {
     write("p.xyz", "1 2 3\n4 5 6\n7 8 9\n");
     must_fail(2, "render c.vdb -o a.png --step 0.5",
               "--step has no effect with --interpolation constant");
-    must_fail(2, "render c.ply -o a.png --renderer trace --slab-hits 4", "--slab-hits");
+    must_fail(2, "render c.ply -o a.png --renderer trace --hits-per-slab 4", "--hits-per-slab");
     must_fail(2, "compare a.png a.png --tf jet", "--tf has no effect with pictures");
     must_fail(2, "compare a.png a.png --extinction 2", "--extinction has no effect with pictures");
     must_fail(2, "render c.ply -o b.png --grid density", "--grid has no effect with models");

@@ -37,13 +37,13 @@ VALUES = {
     "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--kappa": "0.2",
     "--aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
     "--step": "0.05", "render --step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--similarity": "0.9",
-    "view --scale": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--clip-plane": "1,0,0,20",
+    "--resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--clip-plane": "1,0,0,20",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--strategy": "single",
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
     "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--ui-scale": "2", "--variance-threshold": "0.3",
     "--opacity-threshold": "0.2", "--minimum-radius": "2", "--host": "0.0.0.0", "--allow-origin": "https://example.org", "--tf": "viridis", "--stop-transmittance": "0.5",
-    "--title": "T", "--slab-hits": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
+    "--title": "T", "--hits-per-slab": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
     "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
 }
@@ -65,7 +65,7 @@ STATED = {("export", "--site"), ("mpi export", "--site"), ("export", "--levels")
 # Refused by what the data then lack, which the message names.
 OF_DATA = {"--no-fields", "--grid", "--field", "--carry", "--mask", "--mesh", "--method", "--renderer"}
 # Scans have no active voxel without a number.
-NOTHING_LEFT = {("--skip-nonfinite", "volume"), ("--log", "volume")}  # the default there is logarithmic
+NOTHING_LEFT = {("--skip-nonfinite", "volume"), ("--scale", "volume")}  # the default there is logarithmic
 
 MODEL, VOLUME, TEXT, POINTS = "{made}/model.ply", "{made}/small.nrrd", "{made}/points.csv", "{made}/points.vdb"
 SMALL = ["--size", "48x32"]

@@ -34,7 +34,7 @@ VALUES = {
     "--minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
     "--memory": "200M", "--scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
     "--renderer": "reference", "--interpolation": "linear", "--step": "0.5", "--samples": "2", "--aabb-sigma": "1",
-    "--pixel-error": "1", "--repeat": "2", "--anyhit": "collect", "--slab-hits": "4", "--stop-transmittance": "0.01",
+    "--pixel-error": "1", "--repeat": "2", "--anyhit": "collect", "--hits-per-slab": "4", "--stop-transmittance": "0.01",
     "--frame": "data", "--view": "+x", "--azimuth": "30", "--elevation": "20", "--distance": "2", "--fov": "30", "--width": "20",
     "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--roll": "10", "--camera": "{made}/camera.json",
     "--save-camera": "{out}/camera.json", "--extinction": "0.5", "--tf": "viridis", "--background": "white",

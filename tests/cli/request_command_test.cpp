@@ -21,12 +21,12 @@ class request_command : public CommandLine {
 
 TEST_F(request_command, draws_the_same_file_again) {
     for (const char* options :
-         {"cloud.ply", "cloud.vdb --show column --log --color-bar --title 'a b'",
+         {"cloud.ply", "cloud.vdb --show column --scale log --color-bar --title 'a b'",
           "cloud.vdb --show volume --light head --view +x --tf viridis",
           "cloud.ply --show mean --field density --orthographic --clip-plane 1,0,0,0",
           "cloud.ply --show maximum --slabs 9 --renderer splat --background white",
           "cloud.vdb --show volume --band 0.1,0.5,red,0.5 --iso 0.6,blue",
-          "cloud.ply --renderer trace --anyhit collect --slab-hits 4 --extinction 3 "
+          "cloud.ply --renderer trace --anyhit collect --hits-per-slab 4 --extinction 3 "
           "--stop-transmittance 0.1",
           "cloud.vdb --interpolation linear --step 0.5 --samples 2",
           "p.csv --value mass --radius 0.4 --show column"}) {

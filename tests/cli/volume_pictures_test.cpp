@@ -166,7 +166,7 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
     refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
     refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
     refused(2, "--interpolation linear --step 0", "--step 0: volume rendering takes samples");
-    refused(2, "--log --window 3,1", "--log and --window exclude each other");
+    refused(2, "--scale log --window 3,1", "--scale and --window exclude each other");
     must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window has no effect with --show T");
     must_fail(2, "render ramp.vdb -o p.png --show maximum --light head",
               "--light has no effect with --show maximum");

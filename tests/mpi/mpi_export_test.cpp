@@ -246,7 +246,7 @@ TEST_F(mpi_export, requests_without_sense_are_refused) {
     must_fail_mpi(2, "-n 2 COMMAND export c.vdb", "-o is missing: vog-mpi export c.vdb -o c/");
     EXPECT_NE(must_mpi(1, "export --help").out.find("--carry"), std::string::npos);
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --levels 3", "--levels");
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --log", "--log");
+    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --scale log", "--scale");
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --name A --name B", "--name");
     must_fail_mpi(1, "-n 2 COMMAND export c.ply -o site/ --show mean --field heat", "heat");
     EXPECT_FALSE(fs::exists(dir_ / "site"));

@@ -28,7 +28,7 @@ from conftest import same_picture
                 "stop_transmittance": 0.01,
                 "extinction": 20,
             },
-            ["--size", 40, "--renderer", "trace", "--anyhit", "collect", "--slab-hits", 8]
+            ["--size", 40, "--renderer", "trace", "--anyhit", "collect", "--hits-per-slab", 8]
             + ["--stop-transmittance", 0.01, "--extinction", 20],
         ),
     ],
@@ -381,7 +381,7 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
         (["--show", "volume"], {"show": "volume"}),
         (["--show", "volume", "--tf", "viridis", "--range", "0.1,0.5"], {"show": "volume", "tf": "viridis", "range": (0.1, 0.5)}),
         (["--show", "volume", "--unit-distance", 0.3, "--light", "head"], {"show": "volume", "unit_distance": 0.3, "light": "head"}),
-        (["--show", "column", "--log"], {"show": "column", "log": True}),
+        (["--show", "column", "--scale", "log"], {"show": "column", "log": True}),
         (["--show", "maximum", "--range", "0.1,0.4"], {"show": "maximum", "range": (0.1, 0.4)}),
         (["--show", "mean", "--field", "density", "--tf", "jet"], {"show": "mean", "field": "density", "tf": "jet"}),
     ]:

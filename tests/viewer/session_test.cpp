@@ -325,7 +325,7 @@ TEST_F(view_command, quantities_are_the_command_lines) {
                  file);
             expect_same_picture("r_" + file, file);
         };
-        render("--show column --range 0.1,30 --log", "column.png");
+        render("--show column --range 0.1,30 --scale log", "column.png");
         render("--show mean --field density --range 0.1,0.9 --tf viridis", "mean.png");
         render("--show deviation --field density --range 0,0.3 --tf viridis", "deviation.png");
         render("--show maximum --range 0.1,1 --tf viridis", "maximum.png");

@@ -65,7 +65,7 @@ Facts facts_of(const ExportArguments& arguments, FileKind kind) {
                               : other_layout        ? arguments.splats.layout
                                                     : extension}};
     if (extension == ".html" || makes_site(arguments))
-        facts["show"] = arguments.page.quantity.quantity.show;
+        facts["show"] = word_of(arguments.page.words.show());
     return facts;
 }
 
@@ -163,12 +163,12 @@ Json write_joined(const ExportArguments& arguments, const CLI::App& command,
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     const Vec3d up = up_of(arguments.page.view, vog::subject_of(model.box, model.content));
     if (is_splat_output(arguments.output, arguments.splats))
-        return write_exchange(
-            arguments.output, std::move(model), arguments.splats,
-            {fixed_extinction(arguments.page.color), map_of(arguments.page.color, Show::depth),
-             arguments.page.quantity.quantity.field,
-             command.count("--tf") + command.count("--field") > 0, up},
-            stages, arguments.json);
+        return write_exchange(arguments.output, std::move(model), arguments.splats,
+                              {page_request(arguments.page).extinction,
+                               arguments.page.words.word("tf", default_map(Show::depth)),
+                               arguments.page.words.word("field"),
+                               command.count("--tf") + command.count("--field") > 0, up},
+                              stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz") {
         CompactArguments compact = arguments.compact;
         compact.values = arguments.volume.values;
@@ -264,7 +264,7 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
         const Exported page = export_one(one, command);
         // After the first page, its automatic extinction and transfer function.
         one.page.chosen = page.quantity;
-        one.page.color.extinction = fmt::format("{:.17g}", page.extinction);
+        one.page.words.given["extinction"] = {fmt::format("{:.17g}", page.extinction)};
         pages.push_back(page.json);
     }
     return {{"output", all.output}, {"pages", pages}};
@@ -380,7 +380,7 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
     }
     if (command.count("--from") == 0) read_models_of_site(arguments, command);
     std::vector<std::string> read = arguments.inputs;
-    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.color.tf});
+    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.words.word("tf")});
     check_distinct(
         {is_sequence(arguments.output) ? "" : arguments.output, arguments.page.view.save_camera},
         read);

@@ -109,17 +109,16 @@ std::vector<Frame> sequence_frames(const std::vector<std::string>& inputs,
 /// returns  the report of --json
 Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
                      const RenderRanks& ranks) {
-    const QuantityArguments& quantity = arguments.quantity;
     if (!arguments.depth_output.empty() && !is_of_many(arguments.depth_output))
         throw CLI::ValidationError("--depth-out takes a folder where -o does");
-    if (!quantity.values_output.empty() && !is_of_many(quantity.values_output))
+    if (!arguments.values_output.empty() && !is_of_many(arguments.values_output))
         throw CLI::ValidationError("--values-out takes a folder where -o does");
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
     const std::vector<Frame> frames = sequence_frames(inputs, arguments.output, ".png");
     const std::vector<Frame> depths = sequence_frames(inputs, arguments.depth_output, ".exr");
-    const std::vector<Frame> values = sequence_frames(inputs, quantity.values_output, ".npy");
+    const std::vector<Frame> values = sequence_frames(inputs, arguments.values_output, ".npy");
     const bool fixes_range =
-        quantity.shown() != Show::depth && !stated_request(arguments).transfer.range;
+        arguments.request.show != Show::depth && !arguments.request.transfer.range;
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;
@@ -132,7 +131,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
             one.drawing.inputs = {frames[n].input};
             one.output = frames[n].output;
             if (!depths.empty()) one.depth_output = depths[n].output;
-            if (!values.empty()) one.quantity.values_output = values[n].output;
+            if (!values.empty()) one.values_output = values[n].output;
             picture = render(one, command).front();
             const bool film = is_film(arguments.output);
             own.push_back(report_of(n, film ? frames[n].input : picture->output, *picture));
@@ -200,7 +199,7 @@ Json render_turn(const RenderArguments& arguments, const CLI::App& command,
     };
     check("-o", arguments.output, {".png", ".exr"}, true);
     check("--depth-out", arguments.depth_output, {".exr"}, false);
-    check("--values-out", arguments.quantity.values_output, {".npy", ".exr"}, false);
+    check("--values-out", arguments.values_output, {".npy", ".exr"}, false);
     const std::vector<RenderedPicture> pictures =
         arguments.steps ? render_turn_in_time(arguments, command, ranks)
                         : render(arguments, command, ranks);
@@ -275,20 +274,20 @@ std::string free_name(const std::string& input) {
 /// Whether the command line states nothing that the command would make.
 bool makes_nothing(const RenderArguments& arguments) {
     return arguments.output.empty() && arguments.depth_output.empty() &&
-           arguments.quantity.values_output.empty() && !arguments.repeat;
+           arguments.values_output.empty() && !arguments.repeat;
 }
 
 /// Files that are written, without the folders of a sequence, whose files have different extensions.
 std::vector<std::string> written_files(const RenderArguments& arguments) {
     std::vector<std::string> files{arguments.output, arguments.depth_output,
-                                   arguments.quantity.values_output, arguments.view.save_camera};
+                                   arguments.values_output, arguments.view.save_camera};
     std::erase_if(files, is_sequence);
     return files;
 }
 std::vector<std::string> read_files(const RenderArguments& arguments) {
     std::vector<std::string> files = arguments.drawing.inputs;
     files.insert(files.end(),
-                 {arguments.view.camera_file, arguments.color.tf, arguments.request_file});
+                 {arguments.view.camera_file, arguments.words.word("tf"), arguments.request_file});
     return files;
 }
 
@@ -307,7 +306,7 @@ void name_models_of_site(RenderArguments& arguments, const RenderRanks& ranks) {
 /// throws  CLI::ValidationError as require_effects does
 void require_effects_of(const RenderArguments& arguments, const CLI::App& command) {
     const DrawingArguments& drawing = arguments.drawing;
-    const std::string& show = arguments.quantity.show;
+    const std::string show = word_of(arguments.request.show);
     Facts facts = {{"show", show},
                    {"inputs", drawing.inputs.size() > 1 ? "several" : "one"},
                    {"output", arguments.output.empty()    ? "-"
@@ -319,7 +318,8 @@ void require_effects_of(const RenderArguments& arguments, const CLI::App& comman
         if (!checked.insert(extension_of(input)).second) continue;
         const FileKind kind = kind_of(input, drawing.volume.grid);
         facts["input"] = input_fact(kind, {input});
-        facts["renderer"] = !drawing.renderer.empty()  ? drawing.renderer
+        const auto& renderer = arguments.request.renderer;
+        facts["renderer"] = renderer                   ? info_of(*renderer).name
                             : kind == FileKind::volume ? "reference"
                                                        : "splat";
         if (show != "T" && show != "column") facts["by value"] = facts["renderer"];
@@ -346,7 +346,7 @@ void render_files(RenderArguments& given, CLI::App& command, const RenderRanks& 
     require_effects_of(arguments, command);
     // Values of another grid would be other numbers.
     arguments.drawing.volume.refuse_several =
-        !arguments.depth_output.empty() || !arguments.quantity.values_output.empty();
+        !arguments.depth_output.empty() || !arguments.values_output.empty();
     if (arguments.turntable || is_of_many(arguments.output)) {
         const Json report = render_many(arguments, command, ranks);
         if (arguments.json && ranks.is_root) print_json(report);

@@ -9,7 +9,6 @@
 #include "films/film.h"
 #include "models/page_quantity.h"
 #include "options/camera_options.h"
-#include "options/color_options.h"
 #include "options/option_effects.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
@@ -33,10 +32,9 @@ struct WindowArguments {
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
-    ColorArguments color;
-    PageQuantityArguments quantity;
+    RequestWords words;  ///< the first quantity, colours and clip
     bool headless = false, steps = false;
-    double scale = 1, ui_scale = 0;
+    double resolution = 1, ui_scale = 0;
     int threads = 0;
 };
 
@@ -44,7 +42,7 @@ struct WindowArguments {
 
 /// Grid of --field: "velocity" of "velocity.x"; empty: none.
 std::string field_grid(const WindowArguments& arguments) {
-    const std::string& text = arguments.quantity.quantity.field;
+    const std::string text = arguments.words.word("field");
     for (const std::string part : {".x", ".y", ".z", ".magnitude"})
         if (text.ends_with(part)) return text.substr(0, text.size() - part.size());
     return text;
@@ -52,7 +50,8 @@ std::string field_grid(const WindowArguments& arguments) {
 
 /// The first quantity, and the transfer functions of fields as they are shown.
 void set_quantity(viewer::ViewerOptions& options, const WindowArguments& arguments) {
-    const HtmlQuantity stated = stated_quantity(arguments.quantity);
+    const PictureRequest request = arguments.words.over();
+    const HtmlQuantity stated = stated_quantity(request);
     options.quantity.show = show_named(stated.show);
     options.quantity.look = stated.look;
     options.quantity.slabs = stated.slabs;
@@ -60,14 +59,17 @@ void set_quantity(viewer::ViewerOptions& options, const WindowArguments& argumen
     options.field = stated.field;
     options.color_scale = stated.scale;
     options.logarithmic = stated.log;
-    options.choose_transfer = [&arguments](const Gaussians& model, const std::string& name,
-                                           bool first) {
+    options.choose_transfer = [request](const Gaussians& model, const std::string& name,
+                                        bool first) {
         // Ranges and bands are of the first field; others begin with the map over their own range.
-        PageQuantityArguments given = arguments.quantity;
-        if (!first) given.quantity.range.clear(), given.value = {};
+        PictureRequest given = request;
+        if (!first) {
+            given.transfer = {};
+            given.transfer.points = request.transfer.points;
+            given.look = {};
+        }
         std::vector<std::string> notes;
-        return stated_transfer(given, arguments.color, model, *model.fields.find_scalar(name),
-                               notes);
+        return stated_transfer(given, model, *model.fields.find_scalar(name), notes);
     };
 }
 
@@ -137,13 +139,14 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     for (const std::string& input : arguments.inputs)
         if (!std::filesystem::exists(input) && !find_site(input))
             throw Error(fmt::format("{}: no such file", input));
-    Facts facts = {{"show", arguments.quantity.quantity.show}};
+    Facts facts = {{"show", word_of(arguments.words.show())}};
     if (!arguments.inputs.empty())
         facts["input"] =
             input_fact(common_kind(arguments.inputs, arguments.volume.grid), arguments.inputs);
     require_effects(command, facts);
     std::vector<std::string> read = arguments.inputs;
-    read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf, arguments.script});
+    read.insert(read.end(),
+                {arguments.view.camera_file, arguments.words.word("tf"), arguments.script});
     check_distinct({arguments.view.save_camera}, read);
 
     viewer::ViewerOptions options;
@@ -156,7 +159,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     options.open_film = [](const std::string& file, double per_second) {
         return std::make_unique<FilmSink>(file, per_second);
     };
-    options.scale = arguments.scale;
+    options.scale = arguments.resolution;
     options.ui_scale = arguments.ui_scale;
     // Throws for options that exclude each other.
     const double aspect = double(size.width) / size.height;
@@ -166,9 +169,10 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
         if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
         return camera;
     };
-    options.extinction = fixed_extinction(arguments.color).value_or(options.extinction);
-    viewer::load_map(options.look, map_of(arguments.color, arguments.quantity.quantity.shown()));
-    options.look.shading = shading_of(arguments.color);
+    const PictureRequest request = arguments.words.over();
+    options.extinction = request.extinction.value_or(options.extinction);
+    viewer::load_map(options.look, arguments.words.word("tf", default_map(request.show)));
+    options.look.shading = request.shading;
     set_quantity(options, arguments);
     options.read = [&](const std::vector<std::string>& files) {
         return read_content(files, arguments);
@@ -206,10 +210,8 @@ void add_view(CLI::App& app) {
     command->add_flag("--headless", arguments->headless,
                       "Run the script without a window: only its pictures are written");
     command
-        ->add_option("--scale", arguments->scale, "Rendered pixels per screen pixel, along an edge")
-        ->check([](const std::string& text) {
-            return text == "log" ? "'log', expected pixels; --log makes colours logarithmic" : "";
-        })
+        ->add_option("--resolution", arguments->resolution,
+                     "Rendered pixels per screen pixel, along an edge")
         ->check(CLI::Range(0.1, 4.0))
         ->capture_default_str();
     command
@@ -220,8 +222,7 @@ void add_view(CLI::App& app) {
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
-    add_color_options(*command, arguments->color);
-    add_page_quantity_options(*command, arguments->quantity, "Quantity");
+    add_shown_options(*command, arguments->words);
     add_threads_option(*command, arguments->threads);
     command->callback([arguments, command] { open_viewer(*arguments, *command); });
 }

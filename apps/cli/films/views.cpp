@@ -94,7 +94,7 @@ Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const
 /// What fitted pictures frame.
 Subject shown_subject(const RenderArguments& arguments, const Subject& subject) {
     const Subject shown = framed(arguments.view, subject);
-    return arguments.quantity.axes ? with_axes(shown) : shown;
+    return arguments.request.marks.axes ? with_axes(shown) : shown;
 }
 
 /// Creates the folder of an output that is one.
@@ -130,25 +130,24 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
 
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
                                           const Subject& subject, const DrawView& draw) {
-    const Size size = parse_size(arguments.size);
-    const double aspect = double(size.width) / size.height;
+    const double aspect = double(arguments.request.width) / arguments.request.height;
     const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
     const bool stored = keeps_stored(arguments.view, command);
     Camera first = camera_from(arguments.view, command, shown, aspect);
     std::vector<Camera> cameras{first};
     std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},
-        values{arguments.quantity.values_output};
+        values{arguments.values_output};
     if (const int count = arguments.turntable) {
         const Vec3d up = turn_axis(arguments, command, first, shown);
         if (!stored && is_fitted(command, first))
             first = fitted_to_turn(first, up, count, shown, aspect);
         cameras = turn_of(first, up, count);
         for (const std::string& output :
-             {arguments.output, arguments.depth_output, arguments.quantity.values_output})
+             {arguments.output, arguments.depth_output, arguments.values_output})
             create_folder(output);
         outputs = numbered_outputs(arguments.output, count, ".png");
         depths = numbered_outputs(arguments.depth_output, count, ".exr");
-        values = numbered_outputs(arguments.quantity.values_output, count, ".npy");
+        values = numbered_outputs(arguments.values_output, count, ".npy");
         if (const auto& part = arguments.turn_part) {
             const auto keep = [&](auto& all) {
                 all.erase(all.begin() + part->second, all.end());
@@ -162,7 +161,7 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
     for (std::size_t n = 0; n < cameras.size(); ++n) {
         one.output = outputs[n];
         one.depth_output = depths[n];
-        one.quantity.values_output = values[n];
+        one.values_output = values[n];
         std::optional<RenderedPicture> picture = draw(one, cameras[n]);
         one.view.save_camera.clear();
         if (!picture) continue;

@@ -30,19 +30,22 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
         "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
         "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
         "as fine as a page without this option");
-    add_page_quantity_options(command, arguments.quantity, kPageGroup);
-    add("--scale", arguments.quantity.quantity.scale,
-        "Colour scale: linear, log or auto, which for volume is log where most of the mass has "
-        "values "
-        "over a decade and more, else linear")
-        ->check(CLI::IsMember({"auto", "linear", "log"}))
-        ->capture_default_str();
     command.add_flag(
         "--steps,!--no-steps", arguments.steps,
         "Whether the models are steps in time, with a play bar, one extinction and one "
         "range for all; default: where a single pattern names them");
-    add_color_options(command, arguments.color, kPageGroup,
-                      ", or system: black or white by the reader's colour scheme");
+    add_shown_options(command, arguments.words, kPageGroup);
+    CLI::Option* background = command.get_option("--background");
+    background->description(background->get_description() +
+                            ", or system: black or white by the reader's colour scheme");
+}
+
+PictureRequest page_request(const PageArguments& arguments) {
+    RequestWords words = arguments.words;
+    if (words.word("background") == "system") words.given.erase("background");
+    if (words.word("scale") == "symmetric")
+        throw CLI::ValidationError("--scale symmetric: a page has linear, log and auto");
+    return words.over();
 }
 
 HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command,
@@ -52,17 +55,15 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     options.title = command.count("--title") ? arguments.title : first.name;
     options.description = arguments.description;
     options.precise = arguments.precise;
+    const PictureRequest request = page_request(arguments);
+    const TransferPoints& map = request.transfer.points;
     // A file of values is of volume; the other quantities then have the default colours.
-    const Show show = arguments.quantity.quantity.shown();
-    const std::string map = map_of(arguments.color, show);
-    const bool by_value =
-        show == Show::volume && !std::ranges::count(transfer_function_names(), map);
-    options.tf = load_transfer_function(by_value ? default_map(show) : map);
-    options.extinction = fixed_extinction(arguments.color);
-    ColorArguments color = arguments.color;
-    options.system_background = color.background == "system";
-    if (options.system_background) color.background = ColorArguments{}.background;
-    options.shading = shading_of(color);
+    options.tf = map.at_values || map.points.color.empty()
+                     ? load_transfer_function(default_map(request.show))
+                     : load_transfer_function(arguments.words.word("tf"));
+    options.extinction = request.extinction;
+    options.system_background = arguments.words.word("background") == "system";
+    options.shading = request.shading;
     // Without an option for the view, every model of the page is framed by itself; the pages of a
     // sequence share one view.
     const bool viewed = arguments.subject.has_value() || view_given(command);
@@ -76,17 +77,17 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
         return options;
     }
     std::vector<std::string> found;
-    options.quantity = page_quantity(arguments.quantity, color, first.levels.front(), input, found);
+    options.quantity = page_quantity(request, first.levels.front(), input, found);
     print_notes(found);
     notes.insert(notes.end(), found.begin(), found.end());
     return options;
 }
 
 void check_page_options(const PageArguments& arguments, const CLI::App& command) {
-    stated_quantity(arguments.quantity);
-    const Show show = arguments.quantity.quantity.shown();
-    if (show != Show::volume) load_transfer_function(map_of(arguments.color, show));
-    fixed_extinction(arguments.color);
+    const PictureRequest request = page_request(arguments);
+    stated_quantity(request);
+    if (request.show != Show::volume && arguments.words.has("tf"))
+        load_transfer_function(arguments.words.word("tf"));
     if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
 }
 

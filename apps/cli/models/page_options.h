@@ -8,7 +8,6 @@
 
 #include "models/page_quantity.h"
 #include "options/camera_options.h"
-#include "options/color_options.h"
 #include "vog/export_html.h"
 
 namespace vog::cli {
@@ -18,8 +17,7 @@ inline constexpr const char* kPageGroup = "Page (.html)";
 struct PageArguments {
     std::vector<std::string> names;
     std::string title, description;
-    ColorArguments color;
-    PageQuantityArguments quantity;
+    RequestWords words;  ///< quantity, colours and clip
     ViewArguments view;
     bool precise = false;                ///< whether words are finer
     bool steps = false;                  ///< whether models are steps in time
@@ -27,10 +25,13 @@ struct PageArguments {
     std::optional<Subject> subject;      ///< of all models, in place of one: one camera for many
 };
 
-/// Adds --title, --description, --name, --precise, --steps, --scale, and the options of quantities and colours. Those of views
+/// Adds --title, --description, --name, --precise, --steps, and the options of quantities and colours. Those of views
 /// (add_view_options) are apart.
 void add_page_options(CLI::App& command, PageArguments& arguments);
 
+/// Request of --show and the options beside it; of pages whose background is the reader's, black.
+/// throws  CLI::ValidationError for words that are none
+PictureRequest page_request(const PageArguments& arguments);
 /// Options of a page.
 /// first   the page's first model
 /// input   its file, for messages

@@ -8,18 +8,20 @@
 #include <optional>
 #include <sstream>
 
+#include "options/request_options.h"
+
 namespace vog::cli {
 
 namespace {
 
 /// Options that have an effect only with some values of a fact.
 struct Row {
-    const char* commands;  ///< "" for all that have the options
-    const char*
-        options;  ///< "--scale --log", "--scale=symmetric" (this value only), or the group "[View]"
-    const char* fact;          ///< of Facts, or an option, whose value counts
-    const char* values;        ///< "volume maximum"; "*": given with any value; "-": not given
-    const char* instead = "";  ///< what serves the purpose otherwise
+    std::string commands;  ///< "" for all that have the options
+    std::string
+        options;  ///< "--eye --up", "--scale=symmetric" (this value only), or the group "[View]"
+    std::string fact;       ///< of Facts, or an option, whose value counts
+    std::string values;     ///< "volume maximum"; "*": given with any value; "-": not given
+    std::string instead{};  ///< what serves the purpose otherwise
 };
 
 constexpr const char* kPages = ".html site";
@@ -28,10 +30,9 @@ constexpr const char* kSplatsAndPages = ".html site .spz .glb .usda .usdc 3dgs";
 constexpr const char* kModels = ".ply .vogz models/";
 constexpr const char* kByMoments = "[Conversion by moments (--method moments)]";
 constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
-constexpr const char* kWithScale = "column mean deviation volume maximum";
 
 // The first row that refuses an option says why: general reasons stand first.
-const Row kRows[] = {
+const std::vector<Row> kRows = {
     // Inputs.
     {"", "--mask --sum --mesh --level-set-to-fog", "input", "volumes"},
     {"", "--skip-nonfinite", "input", "volumes particles text models"},
@@ -65,8 +66,7 @@ const Row kRows[] = {
     {"export", "--no-fields", "input", "volumes models compact-models"},
     {"export", "--title --description --name --precise --steps", "output", kPages},
     {"export", "--from", "output", ".html"},
-    {"export", "--show --range --log --scale --clip --clip-plane --background --blend", "output",
-     kPages},
+    {"export", "--show --range --scale --clip --clip-plane --background --blend", "output", kPages},
     {"export", "[Volume rendering (--show volume)]", "output", kPages},
     {"export", "--up", "output", kSplatsAndPages},
     {"export", "--view --azimuth --elevation --distance --fov --frame --orthographic --width",
@@ -118,36 +118,20 @@ const Row kRows[] = {
     {"render", "--steps", "inputs", "several"},
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
-    {"", "--window --band --iso --threshold --unit-distance", "show", "volume"},
-    {"", "--light --light-weights", "show", "volume"},
-    {"", "--slabs", "show", "volume maximum"},
-    {"render", "--slabs", "renderer", "splat cuda optix"},
     {"", "--light-weights", "--light", "*"},
-    {"", "--tf --range --log --scale", "--window", "-"},
-    {"", "--tf --range --log --scale --window", "--band", "-"},
-    {"", "--tf --range --log --scale --window", "--iso", "-"},
-    {"", "--field", "show", "mean deviation volume maximum"},
-    {"", "--range", "show", "column mean deviation volume maximum"},
-    {"", "--log", "show", kWithScale},
-    {"render export", "--scale", "show", kWithScale},
-    {"render", "--units", "show", "column mean deviation maximum"},
+    {"", "--tf --range --scale", "--window", "-"},
+    {"", "--tf --range --scale --window", "--band", "-"},
+    {"", "--tf --range --scale --window", "--iso", "-"},
     {"render", "--scale=symmetric", "show", "mean deviation maximum"},
-    {"render export", "--log", "--scale", "- log"},
-    {"render", "--extinction --blend", "show", "T"},
     {"render", "--depth-out", "show", "T column", "--values-out FILE.exr"},
     {"render", "--values-out", "show", "T column mean deviation maximum"},
-    {"render", "--least-column", "show", "mean deviation"},
-    {"render", "--range --scale --log --least-column", "output", "picture film"},
+    {"render", "--range --scale --least-column", "output", "picture film"},
     {"render", "--color-bar --axes --scale-bar --title --tf --background --blend", "output",
      "picture film"},
     // How it is drawn.
-    {"render", "--pixel-error", "show", "T column mean deviation"},
     {"render", "--interpolation=linear", "show", "T column mean deviation volume"},
     {"render", "--step", "--interpolation", "linear"},
-    {"render", "--slab-hits --stop-transmittance", "--anyhit", "collect"},
-    {"render", "--anyhit", "show", "T column"},
-    {"render", "--slab-hits", "show", "T column"},
-    {"render", "--stop-transmittance", "show", "T"},
+    {"render", "--hits-per-slab --stop-transmittance", "--anyhit", "collect"},
     {"render", "--aabb-sigma", "by value", "trace optix"},
     // Other commands.
     {"voxelize", "--voxel-size", "--like", "-"},
@@ -160,6 +144,24 @@ const Row kRows[] = {
     {"evaluate", "--voxels --show=volume", "program", "vog", "vog evaluate"},
     {"sample", "--half", "input", "cloud explosion fire head amr"},
 };
+
+/// The table, with the quantities and renderers of the members of requests.
+const std::vector<Row>& rows() {
+    static const std::vector<Row> all = [] {
+        std::vector<Row> joined = kRows;
+        for (const RequestMember& member : request_schema()) {
+            const std::string options = options_of(member);
+            // Pages and windows have the colours of T beside those of what they show first.
+            const bool of_render = member.shows == "T" || member.key == "units";
+            if (!member.shows.empty())
+                joined.push_back({of_render ? "render" : "", options, "show", member.shows});
+            if (!member.renderers.empty())
+                joined.push_back({"render", options, "renderer", member.renderers});
+        }
+        return joined;
+    }();
+    return all;
+}
 
 std::vector<std::string> words(const std::string& text) {
     std::istringstream in(text);
@@ -257,7 +259,7 @@ std::string refusal(const Row& row, const std::string& option, const std::string
     std::erase(values, "-");
     if (actual == "-") return fmt::format("{} needs {}", option, spelled(fact, values, facts));
     return fmt::format("{} has no effect with {}; {}", option, spelled(fact, {actual}, facts),
-                       *row.instead
+                       !row.instead.empty()
                            ? fmt::format("use {}", row.instead)
                            : fmt::format("it works with {}", spelled(fact, values, facts)));
 }
@@ -284,7 +286,7 @@ std::string input_fact(FileKind kind, const std::vector<std::string>& inputs) {
 void require_effects(const CLI::App& command, const Facts& facts) {
     Facts all = facts;
     if (command.get_parent()) all["program"] = command.get_parent()->get_name();
-    for (const Row& row : kRows) {
+    for (const Row& row : rows()) {
         const std::vector<std::string> commands = words(row.commands);
         if (!commands.empty() && !contains(commands, command.get_name())) continue;
         const std::vector<std::string> values = words(row.values);
@@ -292,8 +294,7 @@ void require_effects(const CLI::App& command, const Facts& facts) {
         if (!actual || contains(values, *actual) || (contains(values, "*") && *actual != "-"))
             continue;
         // An option that excludes others does so where it is given, whatever its default.
-        if (contains(values, "-") && std::string(row.fact).starts_with("--") &&
-            !command.count(row.fact))
+        if (contains(values, "-") && row.fact.starts_with("--") && !command.count(row.fact))
             continue;
         for (const std::string& option : given_options(row, command))
             throw CLI::ValidationError(refusal(row, option, *actual, all));

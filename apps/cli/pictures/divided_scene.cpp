@@ -201,16 +201,15 @@ void load_visible_parts(const DrawingArguments& arguments, const PictureRequest&
 
 }  // namespace
 
-void require_addable(const DrawingArguments& arguments, const PictureRequest& request,
-                     FileKind kind) {
+void require_addable(const PictureRequest& request, FileKind kind) {
     const std::string show = fmt::format("--show {}", word_of(request.show));
     const bool by_value = is_by_value(request.show);
-    const bool linear = arguments.interpolation == "linear";
-    if (arguments.stop_transmittance > 0)
+    const bool linear = request.options.voxels.interpolation == Interpolation::linear;
+    if (request.options.trace.stop_transmittance > 0)
         throw CLI::ValidationError(
             "--stop-transmittance: a rank does not know the transmittance in front of its part of "
             "a ray; expected one process (vog render)");
-    if (kind == FileKind::volume && linear && (by_value || arguments.step_voxels > 0))
+    if (kind == FileKind::volume && linear && (by_value || request.options.voxels.step_voxels > 0))
         throw CLI::ValidationError(fmt::format(
             "{} with --interpolation linear: samples begin where a ray enters the whole volume, "
             "and "
@@ -235,7 +234,7 @@ void load_divided(const DrawingArguments& arguments, const PictureRequest& reque
     const bool beside = request.show == Show::volume && request.look.light;
     DividedVolumes part = ranks.load_volumes(arguments, arguments.volume, beside);
     if (part.failure && !is_by_value(request.show)) std::rethrow_exception(part.failure);
-    if (part.is_mesh && arguments.interpolation == "linear")
+    if (part.is_mesh && request.options.voxels.interpolation == Interpolation::linear)
         throw CLI::ValidationError(
             "--interpolation linear: at the edge of a part, levels of a mesh need values that "
             "other ranks hold; expected --interpolation constant, or one process (vog render)");

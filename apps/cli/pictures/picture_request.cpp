@@ -1,33 +1,9 @@
-// picture_request.cpp: options to request, and scales that several pictures share.
+// picture_request.cpp: scales that several pictures share, and notes on chosen transfer functions.
 #include "pictures/picture_request.h"
 
 #include <fmt/core.h>
 
 namespace vog::cli {
-
-PictureRequest picture_request(const QuantityArguments& quantity, const ColorArguments& color,
-                               const ValueArguments& value) {
-    PictureRequest request;
-    request.show = quantity.shown();
-    request.field = quantity.field;
-    request.fit = quantity.fit();
-    request.least_column = quantity.least_column;
-    request.unit = quantity.units;
-    request.extinction = fixed_extinction(color);
-    request.shading = shading_of(color);
-    request.look = look_of(value);
-    request.slabs = value.slabs;
-    request.marks = {quantity.color_bar, quantity.axes, quantity.scale_bar, quantity.title};
-    TransferRequest& transfer = request.transfer;
-    if (const auto fixed = fixed_scale(quantity)) transfer.range.emplace(fixed->low, fixed->high);
-    transfer.window = window_of(value);
-    transfer.bands = bands_of(value);
-    transfer.threshold = value.threshold;
-    transfer.unit_distance = value.unit_distance;
-    if (!color.tf.empty() && !transfer.window && transfer.bands.empty())
-        transfer.points = transfer_points(color.tf);
-    return request;
-}
 
 SharedScales scales_of(const Picture& picture) {
     return {picture.extinction, picture.scale.low, picture.scale.high,
@@ -59,7 +35,7 @@ std::vector<std::string> transfer_notes(const PictureRequest& request,
         notes.push_back(fmt::format(
             "an opacity ramp over the values that most of the mass has ({}--range {},{} "
             "--unit-distance {} repeats it)",
-            chosen.scale.kind == ColorScale::Kind::log ? "--log " : "", chosen.scale.low,
+            chosen.scale.kind == ColorScale::Kind::log ? "--scale log " : "", chosen.scale.low,
             chosen.scale.high, chosen.transfer.unit_distance));
     return notes;
 }

@@ -1,23 +1,12 @@
-// picture_request.h: the request of a picture by the options of `vog render` and of pages.
+// picture_request.h: scales that pictures share, and notes on requests.
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "options/color_options.h"
-#include "options/quantity_options.h"
-#include "options/value_options.h"
-#include "pictures/drawing_options.h"
 #include "vog/picture.h"
 
 namespace vog::cli {
-
-/// Request without camera, size and renderer.
-/// throws  CLI::ValidationError for texts that are none, vog::Error for transfer functions that cannot be read
-PictureRequest picture_request(const QuantityArguments& quantity, const ColorArguments& color,
-                               const ValueArguments& value);
 
 /// Scales of a first picture, for later ones under the same.
 struct SharedScales {

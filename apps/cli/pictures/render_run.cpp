@@ -22,24 +22,20 @@ namespace vog::cli {
 namespace {
 
 /// throws CLI::ValidationError and vog::Error before any work
-void check_arguments(const RenderArguments& arguments, const PictureRequest& request, bool writes) {
-    const QuantityArguments& quantity = arguments.quantity;
-    check_quantity_options(quantity);
-    check_value_options(arguments.value);
+void check_arguments(const RenderArguments& arguments, bool writes) {
+    if (is_field_map(arguments.request.show) && arguments.request.field.empty())
+        throw CLI::ValidationError(
+            fmt::format("--show {}: expected --field NAME", word_of(arguments.request.show)));
     // Folders and names with a number are checked where they are made.
     const auto is_file = [&](const std::string& output) {
         return writes && !output.empty() && !arguments.turntable;
     };
-    if (is_file(quantity.values_output))
-        check_output(quantity.values_output, arguments.drawing.inputs, {".npy", ".exr"});
+    if (is_file(arguments.values_output))
+        check_output(arguments.values_output, arguments.drawing.inputs, {".npy", ".exr"});
     if (is_file(arguments.output) && !arguments.take_picture)
         check_output(arguments.output, arguments.drawing.inputs, {".png", ".exr"});
     if (is_file(arguments.depth_output))
         check_output(arguments.depth_output, arguments.drawing.inputs, {".exr"});
-    if (request.options.trace.stop_transmittance > 0 && !request.extinction)
-        throw CLI::ValidationError(
-            "--stop-transmittance: transmittance depends on the extinction, and auto is known only "
-            "after the render; expected --extinction with a number");
 }
 
 /// Share of the values above a limit.
@@ -96,7 +92,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
     set_figures(drawn, picture);
     picture.output = arguments.output;
     picture.depth_output = arguments.depth_output;
-    picture.values_output = arguments.quantity.values_output;
+    picture.values_output = arguments.values_output;
     picture.quantity = drawn.made.name;
     picture.units = drawn.made.unit;
     picture.renderer = info_of(*drawn.made.request.renderer).name;
@@ -152,15 +148,14 @@ std::string record_of(const RenderArguments& arguments, const Picture& picture) 
 void save(const RenderArguments& arguments, const Picture& picture, const std::string& record,
           Stages& stages) {
     for (const std::string& file :
-         {arguments.output, arguments.depth_output, arguments.quantity.values_output})
+         {arguments.output, arguments.depth_output, arguments.values_output})
         if (std::error_code code; !arguments.request_file.empty() && !file.empty() &&
                                   std::filesystem::equivalent(file, arguments.request_file, code))
             throw Error(file + ": is the picture of --request, expected another output");
     if (!arguments.output.empty())
         stages.run("save", [&] { save_picture(arguments, picture.image, record); });
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth(), record);
-    if (!arguments.quantity.values_output.empty())
-        write_numbers(arguments.quantity.values_output, picture, record);
+    if (!arguments.values_output.empty()) write_numbers(arguments.values_output, picture, record);
     if (!arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, picture.made.camera());
 }
@@ -287,16 +282,15 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
         ->capture_default_str();
     command.add_option("--depth-out", arguments.depth_output,
                        "Image of optical depth T to write: .exr with one float channel Y");
-    command
-        .add_option("--size", arguments.size,
-                    "Size of the picture in pixels, WxH or one number for a square")
-        ->capture_default_str();
+    command.add_option(
+        "--values-out", arguments.values_output,
+        "File of the shown quantity as float32 numbers, height x width, rows from the "
+        "top: .npy or .exr; of a field the .exr has the channels column, mean and "
+        "deviation. A folder where -o is one: .npy files");
     add_drawing_options(command, arguments.drawing);
     add_request_option(command, arguments);
     add_view_options(command, arguments.view);
-    add_color_options(command, arguments.color);
-    add_quantity_options(command, arguments.quantity);
-    add_value_options(command, arguments.value);
+    add_request_options(command, arguments.words);
     add_memory_options(command, arguments.memory, "");
     command
         .add_option("--repeat", arguments.repeat,
@@ -316,26 +310,24 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     Subject subject;
     for (const std::string& input : arguments.drawing.inputs)
         subject.include(subject_of(input, arguments.drawing.volume, arguments.drawing.points));
-    const Size size = parse_size(arguments.size);
+    const PictureRequest& request = arguments.request;
     const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
-                                      static_cast<double>(size.width) / size.height);
+                                      double(request.width) / request.height);
     // Nodes have means of values, below the largest ones.
-    const double pixel_error = arguments.quantity.shown() == Show::maximum ? 0 : 1;
-    arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
-                                   arguments.drawing.pixel_error.value_or(pixel_error)};
-    // The chunks are the cut.
-    arguments.drawing.pixel_error.reset();
+    const double pixel_error = request.show == Show::maximum ? 0 : 1;
+    arguments.drawing.site_view = {frame_of(camera, request.width, request.height),
+                                   request.options.pixel_error.value_or(pixel_error)};
     return arguments;
 }
 
 std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const CLI::App& command,
                                              const RenderRanks& ranks) {
-    PictureRequest request = stated_request(given);
-    check_arguments(given, request, ranks.is_root);
+    PictureRequest request = given.request;
+    check_arguments(given, ranks.is_root);
     const RenderArguments arguments = of_view(given, command, ranks);
     request.renderer =
-        renderer_of(arguments.drawing,
-                    common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid), command);
+        renderer_of(request, arguments.drawing,
+                    common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid));
     if (arguments.shared) share(*arguments.shared, request);
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
@@ -380,9 +372,7 @@ std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI:
                                     const RenderRanks& ranks) try {
     return render_pictures(arguments, command, ranks);
 } catch (const RequestError& error) {
-    std::string option = error.member();
-    std::ranges::replace(option, '_', '-');
-    throw CLI::ValidationError("--" + option + error.text());
+    throw as_option(error);
 }
 
 }  // namespace vog::cli

@@ -16,6 +16,7 @@
 
 #include "options/camera_options.h"
 #include "options/memory_options.h"
+#include "options/request_options.h"
 #include "pictures/picture_request.h"
 #include "pictures/scene_inputs.h"
 #include "shared/terminal.h"
@@ -25,12 +26,10 @@ namespace vog::cli {
 struct RenderArguments {
     DrawingArguments drawing;
     ViewArguments view;
-    ColorArguments color;
-    QuantityArguments quantity;
-    ValueArguments value;
+    RequestWords words;        ///< members of the request that options state
+    PictureRequest request{};  ///< with them, and those of --request
     MemoryArguments memory;
-    std::string output, depth_output, size = "512x512", request_file;
-    std::optional<PictureRequest> request{};  ///< of --request, with what options state
+    std::string output, depth_output, values_output, request_file;
     /// Options that the inputs are read with, for records of pictures.
     std::map<std::string, std::vector<std::string>> reading{};
     bool json = false, verbose = false;

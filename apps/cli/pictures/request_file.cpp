@@ -33,54 +33,27 @@ bool has(const Names& names, const std::string& one) {
 /// Whether a text of --field names a file: "heat=FILE:GRID".
 bool names_file(const std::string& field) { return field.find_first_of(":=") != field.npos; }
 
-/// Options that state a member of a request, where they have not its name.
-const std::map<std::string, std::vector<std::string>> kStatedBy = {
-    {"scale", {"--scale", "--log"}},
-    {"bands", {"--band", "--iso"}},
-    {"clip_planes", {"--clip-plane"}},
-    {"hits_per_slab", {"--slab-hits"}},
-    {"camera", {}},
-};
-
-bool states(const CLI::App& command, const std::string& key) {
-    std::string name = "--" + key;
-    std::ranges::replace(name, '_', '-');
-    const auto found = kStatedBy.find(key);
-    const std::vector<std::string> options =
-        found == kStatedBy.end() ? std::vector{name} : found->second;
-    return std::ranges::any_of(options,
-                               [&](const std::string& one) { return command.count(one) > 0; });
-}
-
-/// The file's request, with the members that options state.
-PictureRequest merged(const PictureRequest& file, const PictureRequest& stated,
-                      const CLI::App& command, FileKind kind) {
-    Json json = Json::parse(request_json(file)), given = Json::parse(request_json(stated));
+/// The file's request, without what the command line's words replace.
+PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileKind kind) {
+    Json json = Json::parse(request_json(file));
     const auto drop = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys) json.erase(key);
     };
     // Another quantity has other values.
-    if (states(command, "show") || states(command, "field"))
+    if (words.has("show") || words.has("field"))
         drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance",
               "units", "extinction", "light", "light_weights", "slabs"});
-    if (states(command, "window") || states(command, "bands")) drop({"tf", "range", "scale"});
-    if (states(command, "window")) drop({"bands"});
-    if (states(command, "bands")) drop({"window"});
-    if (states(command, "tf")) drop({"window", "bands"});
-    if (states(command, "scale") && !states(command, "range")) drop({"range"});
+    if (words.has("window") || words.has("bands")) drop({"tf", "range", "scale"});
+    if (words.has("window")) drop({"bands"});
+    if (words.has("bands")) drop({"window"});
+    if (words.has("tf")) drop({"window", "bands"});
+    if (words.has("scale")) drop({"range"});
     const RenderInput input =
         kind == FileKind::volume ? RenderInput::volumes : RenderInput::gaussians;
-    if (states(command, "renderer") || (file.renderer && !draws(*file.renderer, input)))
+    if (words.has("renderer") || (file.renderer && !draws(*file.renderer, input)))
         drop({"renderer", "slabs", "anyhit", "hits_per_slab", "stop_transmittance", "aabb_sigma",
               "pixel_error", "interpolation", "step", "samples"});
-    for (const std::string& key : request_keys()) {
-        if (!states(command, key)) continue;
-        json.erase(key);
-        if (given.contains(key)) json[key] = given[key];
-    }
-    PictureRequest request = request_of_json(json.dump());
-    require_effects(request);
-    return request;
+    return request_of_json(json.dump());
 }
 
 /// Gives an option the values that it has in a file, as if the command line stated them; options of other kinds of data are left out.
@@ -129,19 +102,11 @@ void add_request_option(CLI::App& command, RenderArguments& arguments) {
         ->each([&command](const std::string&) { command.get_option("inputs")->required(false); });
 }
 
-PictureRequest stated_request(const RenderArguments& arguments) {
-    if (arguments.request) return *arguments.request;
-    PictureRequest request = picture_request(arguments.quantity, arguments.color, arguments.value);
-    const Size size = parse_size(arguments.size);
-    request.width = size.width, request.height = size.height;
-    request.options = render_options(arguments.drawing);
-    if (!arguments.drawing.renderer.empty())
-        request.renderer = renderer_named(arguments.drawing.renderer);
-    return request;
-}
-
 void take_request(RenderArguments& arguments, CLI::App& command) try {
-    if (command.count("--request") == 0) return;
+    if (command.count("--request") == 0) {
+        arguments.request = arguments.words.over();
+        return;
+    }
     const PictureRecord record = is_json(arguments.request_file)
                                      ? record_of_json(arguments.request_file)
                                      : read_record(arguments.request_file);
@@ -149,14 +114,15 @@ void take_request(RenderArguments& arguments, CLI::App& command) try {
     if (inputs.empty()) require_inputs(inputs = record.inputs);
     if (names_file(record.request.field))
         throw Error("'field' names a file, expected it as '--field' in 'reading'");
-    const PictureRequest stated = stated_request(arguments);
-    const bool same_field = command.count("--field") + command.count("--show") == 0;
+    const bool same_field = !arguments.words.has("field") && !arguments.words.has("show");
     const auto grid = record.reading.find("--grid");
     const bool has_grid = grid != record.reading.end() && !grid->second.empty();
     const FileKind kind = common_kind(expanded(inputs), command.count("--grid") || !has_grid
                                                             ? arguments.drawing.volume.grid
                                                             : grid->second.front());
-    PictureRequest request = merged(record.request, stated, command, kind);
+    PictureRequest& request = arguments.request;
+    request = arguments.words.over(kept(record.request, arguments.words, kind));
+    require_effects(request);
     for (const auto& [name, values] : record.reading)
         if (name != "--field") read_as(name, values, command, kind);
     // A field of another file has its name in the request, and its place among the options of reading.
@@ -165,14 +131,6 @@ void take_request(RenderArguments& arguments, CLI::App& command) try {
                                                            kind == FileKind::volume)
         request.field = field->second.front(), arguments.reading["--field"] = field->second;
     arguments.view.stored = request.camera;
-    // What checks of options ask for.
-    arguments.quantity.show = word_of(request.show);
-    arguments.quantity.field = request.field;
-    arguments.quantity.axes = request.marks.axes;
-    arguments.drawing.renderer = request.renderer ? info_of(*request.renderer).name : "";
-    arguments.drawing.pixel_error = request.options.pixel_error;
-    arguments.size = fmt::format("{}x{}", request.width, request.height);
-    arguments.request = std::move(request);
 } catch (const Error& error) {
     const std::string text = error.what(), file = arguments.request_file;
     const std::string name = is_json(file) ? "--request" : file;

@@ -9,9 +9,8 @@ namespace vog::cli {
 
 /// Adds --request, with which inputs may be absent.
 void add_request_option(CLI::App& command, RenderArguments& arguments);
-/// Request that the options state, without a camera; of --request the file's where no option states another.
-PictureRequest stated_request(const RenderArguments& arguments);
-/// Reads the file of --request: its inputs where the command line names none, and its request.
+/// Sets the request that the options state, without a camera. Of --request the file's where no option states another, and its inputs where
+/// the command line names none.
 /// throws  vog::Error for a file that holds none, or one whose options of reading are none
 void take_request(RenderArguments& arguments, CLI::App& command);
 /// Options of reading the inputs that the command line states.

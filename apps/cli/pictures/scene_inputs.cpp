@@ -39,8 +39,10 @@ bool shows_field(const PictureRequest& request) {
 void load_gaussians(const DrawingArguments& arguments, const PictureRequest& request,
                     const RenderRanks& ranks, SceneInputs& inputs) {
     const bool points = inputs.kind == FileKind::points;
+    // The chunks of a site that is read for a view are the cut.
+    const bool builds_hierarchy = request.options.pixel_error && !arguments.site_view;
     const bool cuts = !is_by_value(request.show) && !points && !ranks.divided() &&
-                      (*request.renderer == Renderer::splat || arguments.pixel_error);
+                      (*request.renderer == Renderer::splat || builds_hierarchy);
     auto hierarchy = std::make_shared<Hierarchy>();
     const auto read = [&] {
         if (points && ranks.divided()) return ranks.load_points(arguments, inputs.notes);
@@ -72,8 +74,7 @@ void load_gaussians(const DrawingArguments& arguments, const PictureRequest& req
     inputs.gaussians = static_cast<std::uint64_t>(count);
     inputs.set_primitives_text(0);
     // A model without a hierarchy gets one where --pixel-error is given, which sorts it.
-    if (hierarchy->empty() && arguments.pixel_error && model->size() > 0 &&
-        !is_by_value(request.show))
+    if (hierarchy->empty() && builds_hierarchy && model->size() > 0 && !is_by_value(request.show))
         *hierarchy = build_hierarchy(*model);
     if (points) {
         const std::string& value = arguments.points.value;
@@ -237,7 +238,7 @@ SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& 
     require_field_data(arguments, request, inputs.kind);
     inputs.scene.name = input;
     if (ranks.divided()) {
-        require_addable(arguments, request, inputs.kind);
+        require_addable(request, inputs.kind);
         inputs.scene.collective = &ranks.collective;
     }
     if (inputs.kind != FileKind::volume) {

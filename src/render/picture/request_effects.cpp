@@ -1,52 +1,58 @@
-// request_effects.cpp: Which members of a request change the quantity that it shows.
-#include <fmt/format.h>
+// request_effects.cpp: Members of a request that would change nothing are refused, by the table of members.
+#include "render/picture/request_effects.h"
 
-#include <nlohmann/json.hpp>
-
+#include "render/picture/request_member.h"
 #include "vog/picture_record.h"
 
 namespace vog {
 
 namespace {
 
-/// Members that have an effect on some quantities alone.
-struct Effect {
-    const char *keys, *shows;
-};
-constexpr Effect kEffects[] = {
-    {"field", "mean, deviation, volume, maximum"},
-    {"range scale", "column, mean, deviation, volume, maximum"},
-    {"window bands threshold unit_distance light light_weights", "volume"},
-    {"units", "column, mean, deviation, maximum"},
-    {"least_column", "mean, deviation"},
-    {"extinction blend stop_transmittance", "T"},
-    {"anyhit hits_per_slab", "T, column"},
-    {"pixel_error", "T, column, mean, deviation"},
-    {"slabs", "volume, maximum"},
-};
-bool names(const char* words, const std::string& one) {
-    const std::string all = words;
-    for (std::size_t at = 0; (at = all.find(one, at)) != std::string::npos; ++at) {
-        const bool begins = at == 0 || all[at - 1] == ' ';
-        const char after = at + one.size() < all.size() ? all[at + one.size()] : ' ';
-        if (begins && (after == ' ' || after == ',')) return true;
+std::vector<std::string> words_of(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t space = std::min(text.find(' ', at), text.size());
+        words.push_back(text.substr(at, space - at));
+        at = space + 1;
     }
-    return false;
+    return words;
+}
+bool has(const std::string& words, const std::string& one) {
+    return words.empty() || std::ranges::count(words_of(words), one) > 0;
+}
+/// "'splat', 'trace' or 'optix'"
+std::string listed(const std::string& words) {
+    const std::vector<std::string> all = words_of(words);
+    std::string text;
+    for (std::size_t n = 0; n < all.size(); ++n)
+        text += (n == 0 ? "'" : n + 1 < all.size() ? ", '" : " or '") + all[n] + "'";
+    return text;
+}
+
+/// Members that are not at their defaults.
+std::vector<const RequestMember*> stated_members(const PictureRequest& request) {
+    static const PictureRequest unset;
+    std::vector<const RequestMember*> stated;
+    for (const requests::Entry& entry : requests::entries())
+        if (entry.values.write(request) != entry.values.write(unset))
+            stated.push_back(&entry.schema);
+    return stated;
 }
 
 }  // namespace
 
 void require_effects(const PictureRequest& request) {
     const std::string show = word_of(request.show);
-    const auto stated = nlohmann::ordered_json::parse(request_json(request));
+    const std::vector<const RequestMember*> stated = stated_members(request);
     const auto refuse_beside = [&](const char* key, const std::string& other) {
-        if (stated.contains(key)) throw RequestError(key, " has no effect " + other);
+        if (std::ranges::count(stated, std::string_view(key), &RequestMember::key))
+            throw RequestError(key, " has no effect " + other);
     };
-    for (const auto& [keys, shows] : kEffects)
-        for (const auto& [key, value] : stated.items())
-            if (names(keys, key) && !names(shows, show))
-                throw RequestError(key, fmt::format(" has no effect on show '{}', expected {}",
-                                                    show, std::string(shows)));
+    for (const RequestMember* member : stated)
+        if (!has(member->shows, show))
+            throw RequestError(member->key,
+                               fmt::format(" has no effect on show '{}', expected {}", show,
+                                           fmt::join(words_of(member->shows), ", ")));
     if (request.fit == ScaleFit::symmetric &&
         (is_depth(request.show) || request.show == Show::volume))
         refuse_beside("scale", fmt::format("as 'symmetric' on show '{}'", show));
@@ -55,13 +61,35 @@ void require_effects(const PictureRequest& request) {
     if (transfer.window || !transfer.bands.empty())
         for (const char* key : {"tf", "range", "scale"})
             refuse_beside(key, "beside window and bands, which state colours and values");
-    if (request.renderer == Renderer::trace || request.renderer == Renderer::reference)
-        refuse_beside("slabs", fmt::format("with renderer '{}'", info_of(*request.renderer).name));
     if (is_by_value(request.show) && request.renderer && *request.renderer != Renderer::trace &&
         *request.renderer != Renderer::optix)
         refuse_beside("aabb_sigma", fmt::format("on show '{}' with renderer '{}'", show,
                                                 info_of(*request.renderer).name));
     if (!request.look.light) refuse_beside("light_weights", "without light");
+    if (request.renderer) require_renderer_effects(request, *request.renderer, {});
+}
+
+void require_renderer_effects(const PictureRequest& request, Renderer renderer,
+                              std::optional<RenderInput> input) {
+    const RenderOptions& options = request.options;
+    for (const RequestMember* member : stated_members(request)) {
+        if (!has(member->renderers, info_of(renderer).name))
+            throw RequestError(member->key,
+                               fmt::format(" is not for renderer '{}', expected {}",
+                                           info_of(renderer).name, listed(member->renderers)));
+        // Renderers of both models and voxels have members that are for models alone.
+        if (input && *input != RenderInput::gaussians &&
+            !has(member->renderers, info_of(Renderer::reference).name))
+            throw RequestError(member->key, " is for Gaussians, not for voxels");
+    }
+    if (options.voxels.step_voxels != VoxelGridOptions{}.step_voxels &&
+        options.voxels.interpolation != Interpolation::linear)
+        throw RequestError("step", " needs interpolation 'linear'");
+    if (options.trace.hits_per_slab != TraceOptions{}.hits_per_slab &&
+        options.trace.anyhit != AnyHit::collect)
+        throw RequestError("hits_per_slab", " needs anyhit 'collect'");
+    if (options.pixel_error && options.aabb_sigma > 0)
+        throw RequestError("pixel_error", " has no effect beside aabb_sigma");
 }
 
 }  // namespace vog

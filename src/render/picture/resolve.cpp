@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/picture/request_effects.h"
 #include "shade/values/unit_range.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -169,12 +170,15 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
                                                                   : RenderInput::volumes;
     if (!request.renderer) request.renderer = renderer_for({}, input);
     (void)renderer_for(info_of(*request.renderer).name, input);
-    require_options(*request.renderer, input, changed_options(request.options),
-                    OptionSpelling::arguments);
+    require_renderer_effects(request, *request.renderer, input);
     if (request.options.trace.stop_transmittance > 0 && !request.extinction)
         throw RequestError("stop_transmittance",
                            ": transmittance depends on the extinction, and 'auto' is known only "
                            "after; expected a number as extinction");
+    if (const auto& range = request.transfer.range;
+        range && request.fit == ScaleFit::log && !(range->first > 0))
+        throw RequestError("range", fmt::format(" {},{}: expected values above 0 with `scale` log",
+                                                range->first, range->second));
     request.options.trace.extinction = request.extinction.value_or(1);
     if (!request.camera)
         request.camera = default_view(request.marks.axes ? with_axes(scene.subject) : scene.subject,

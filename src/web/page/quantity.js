@@ -51,7 +51,7 @@ export const fieldKey = ({ show, field, part }) => (ofField(show) ? `${field}.${
 /** Place of the shown field among the model's; null: none. */
 export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
 
-const logDecades = 4;  // as `vog render --log`
+const logDecades = 4;  // as `vog render --scale log`
 
 /**
  * The scale {low, high, log} of the first view; over all models where they are steps.

@@ -1,0 +1,113 @@
+// request_options.cpp: options of requests by the table of members, and their words in requests.
+#include "options/request_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "shared/validators.h"
+
+namespace vog::cli {
+
+namespace {
+
+/// "--least-column" of least_column; of lists, whose rows are options of their own, without the s: "--clip-plane".
+std::string option_of(const std::string& key) {
+    const auto& all = request_schema();
+    const auto member = std::ranges::find(all, key, &RequestMember::key);
+    const bool many = member != all.end() && member->many;
+    std::string name = "--" + (many ? key.substr(0, key.size() - 1) : key);
+    std::ranges::replace(name, '_', '-');
+    return name;
+}
+
+/// A text whose members are spelled as options.
+std::string spelled(std::string text) {
+    for (std::size_t at = 0; (at = text.find('`', at)) != text.npos;) {
+        const std::size_t end = text.find('`', at + 1);
+        text.replace(at, end + 1 - at, option_of(text.substr(at + 1, end - at - 1)));
+    }
+    return text;
+}
+
+void add_option(CLI::App& command, RequestWords& words, const RequestMember& member) {
+    const std::string key = member.key, text = spelled(member.text);
+    const auto take = [&words, key](const std::vector<std::string>& given) {
+        words.given[key] = given;
+    };
+    if (member.many) {
+        const auto add_row = [&](const std::string& name, const std::string& about) {
+            command
+                .add_option_function<std::vector<std::string>>(
+                    name,
+                    [&words, key](const std::vector<std::string>& given) {
+                        auto& all = words.given[key];
+                        all.insert(all.end(), given.begin(), given.end());
+                    },
+                    about)
+                ->allow_extra_args(false);
+        };
+        if (key != "bands") return add_row(option_of(key), member.takes + ": " + text);
+        add_row("--band", "LO,HI,COLOUR,OPACITY: " + text);
+        add_row("--iso",
+                "VALUE,COLOUR: Surface: values from VALUE on are opaque, up to the next --iso or "
+                "--band; may be given again");
+    } else if (member.takes.empty() && member.choices.empty()) {
+        command.add_flag_function(
+            option_of(key), [take](std::int64_t) { take({"true"}); }, text);
+    } else {
+        CLI::Option* option = command.add_option_function<std::string>(
+            option_of(key), [take](const std::string& word) { take({word}); },
+            member.takes.empty() ? text : member.takes + ": " + text);
+        if (!member.choices.empty()) option->check(CLI::IsMember(member.choices));
+        if (!member.unset.empty()) option->default_str(member.unset);
+        // For completion, which offers files for texts.
+        const std::vector<std::string> numbers{"N",      "SHARE",  "PIXELS", "RADII",
+                                               "VOXELS", "LENGTH", "VALUE"};
+        if (std::ranges::count(numbers, member.takes)) option->type_name("FLOAT");
+    }
+}
+
+}  // namespace
+
+std::string RequestWords::word(const std::string& key, const std::string& otherwise) const {
+    const auto found = given.find(key);
+    return found == given.end() ? otherwise : found->second.back();
+}
+
+PictureRequest RequestWords::over(PictureRequest base) const try {
+    for (const auto& [key, words] : given) set_member(base, key, words);
+    return base;
+} catch (const RequestError& error) {
+    throw as_option(error);
+}
+
+void add_request_options(CLI::App& command, RequestWords& words) {
+    for (const RequestMember& member : request_schema()) {
+        const OptionGroup grouped(command, spelled(member.group));
+        add_option(command, words, member);
+    }
+}
+
+void add_shown_options(CLI::App& command, RequestWords& words, const std::string& group) {
+    for (const RequestMember& member : request_schema()) {
+        const bool general = member.group == "Quantity" || member.group == "Colour";
+        const bool special = member.group == "Clipping" || member.shows.starts_with("volume");
+        // Maps of pages have the data's units, and show every pixel.
+        if (!(general || special) || member.key == "units" || member.key == "least_column")
+            continue;
+        const OptionGroup grouped(command,
+                                  general && !group.empty() ? group : spelled(member.group));
+        add_option(command, words, member);
+    }
+}
+
+std::string options_of(const RequestMember& member) {
+    return option_of(member.key) + (member.key == "bands" ? " --iso" : "");
+}
+
+CLI::ValidationError as_option(const RequestError& error) {
+    return CLI::ValidationError(option_of(error.member()) + spelled(error.text()));
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,37 @@
+// request_options.h: options of a picture's request, made from the library's table of its members (vog/request_schema.h).
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vog/request_schema.h"
+
+namespace vog::cli {
+
+/// Members of a request that a command line states, as words by their keys.
+struct RequestWords {
+    std::map<std::string, std::vector<std::string>> given{};
+
+    bool has(const std::string& key) const { return given.contains(key); }
+    /// The word of a member, or another one where it is not given.
+    std::string word(const std::string& key, const std::string& otherwise = "") const;
+    Show show() const { return show_named(word("show", "T")); }
+    /// A request with these members.
+    /// throws  CLI::ValidationError naming the option whose words are none of its values
+    PictureRequest over(PictureRequest base = {}) const;
+};
+
+/// Adds the options of all members of a request, or of what a page and a window begin with: quantity, colours, volumes, clips.
+/// group  heading in place of those of quantities and colours; empty: theirs
+void add_request_options(CLI::App& command, RequestWords& words);
+void add_shown_options(CLI::App& command, RequestWords& words, const std::string& group = "");
+
+/// Options of a member: "--least-column"; of bands "--band --iso".
+std::string options_of(const RequestMember& member);
+/// An error as the command line names its options.
+CLI::ValidationError as_option(const RequestError& error);
+
+}  // namespace vog::cli

@@ -1,0 +1,368 @@
+// request_members.cpp: Table of the members of requests: keys, texts, what each changes, and values.
+#include "render/picture/request_member.h"
+#include "vog/shade.h"
+
+namespace vog {
+
+namespace requests {
+
+namespace {
+
+constexpr double kMost = std::numeric_limits<double>::max(), kLeast = 5e-324;
+constexpr Range kAny{-kMost, kMost, "a number"}, kAbove{kLeast, kMost, "a number above 0"},
+    kFromZero{0, kMost, "a number from 0"}, kShare{0, 1, "a number from 0 to 1"};
+
+constexpr const char *kQuantity = "Quantity", *kColour = "Colour", *kPicture = "Picture",
+                     *kVolume = "Volume rendering (`show` volume)", *kClip = "Clipping",
+                     *kRenderer = "Renderer", *kRays = "Ray tracing";
+constexpr const char *kOfFields = "mean deviation volume maximum",
+                     *kOfScales = "column mean deviation volume maximum";
+
+std::vector<std::string> words_of_show() { return {show_words().begin(), show_words().end()}; }
+std::vector<std::string> words_of_renderers() {
+    std::vector<std::string> words;
+    for (const RendererInfo& one : renderers()) words.emplace_back(one.name);
+    return words;
+}
+/// "splat: models and particles, exact, object order; trace: ..."
+std::string renderers_text() {
+    std::vector<std::string> texts;
+    for (const RendererInfo& one : renderers())
+        texts.push_back(fmt::format("{}: {}", one.name, one.description));
+    return fmt::format("{}. Default: splat or reference", fmt::join(texts, "; "));
+}
+
+/// Extinction, a number or "auto".
+Values extinction_values() {
+#define VOG_MEMBER(path) \
+    [](auto& r) -> auto& { return r.path; }
+    const Values number_or_none =
+        open(VOG_MEMBER(extinction), {kLeast, kMost, "auto or a number above 0"});
+    return {
+        number_or_none.write,
+        [read = number_or_none.read](const std::string& key, const Json& value, PictureRequest& r) {
+            read(key, value == "auto" ? Json() : value, r);
+        }};
+}
+
+std::vector<Entry> quantity_entries() {
+    const std::vector<std::string> scales{"auto", "linear", "log", "symmetric"};
+    return {
+        {{"show", kQuantity, "",
+          "Quantity of the picture: T (optical depth, coloured by V = 1 - exp(-T)); column: column "
+          "density, the integral of density along the ray in world units (of particles: number or "
+          "value per area); of `field` mean, weighted by density along the ray, or deviation, its "
+          "standard deviation; volume: emission and absorption by the value of `field`, under "
+          "`tf`, "
+          "`window` or `bands`; maximum: the largest value of `field` along the ray",
+          "T", words_of_show()},
+         choice(VOG_MEMBER(show), words_of_show())},
+        {{"field",
+          kQuantity,
+          "NAME",
+          "Field that mean, deviation, volume and maximum show: temperature, velocity (a vector "
+          "field's component along the view, away from the eye positive), velocity.x, .y, .z, or "
+          "velocity.magnitude (root mean square). Default: volume and maximum show the density; a "
+          "page begins with the first field",
+          "",
+          {},
+          kOfFields},
+         plain(VOG_MEMBER(field))},
+        {{"range",
+          kQuantity,
+          "LO,HI",
+          "Values at the two ends of the colours; default: of the first picture, column densities "
+          "from 0 to the largest, logarithmic from the 5th percentile, at most four decades; "
+          "fields from the 1st to the 99th percentile; volume: those of the data, weighted by "
+          "mass",
+          "",
+          {},
+          kOfScales},
+         pair(VOG_MEMBER(transfer.range), true, "LO,HI, two numbers, the first below the second")},
+        {{"scale", kQuantity, "",
+          "Colour scale: linear, log, for fields symmetric, whose range is centred at 0, or auto: "
+          "linear, of volume log where values above 0 extend over a decade and more",
+          "auto", scales, kOfScales},
+         choice(VOG_MEMBER(fit), scales)},
+        {{"units",
+          kQuantity,
+          "UNIT",
+          "Unit of the shown quantity: numbers convert to it where the data state theirs (fields, "
+          "dense images with units of values and lengths), else it is a text for the colour bar "
+          "and the report, such as 'g/cm2'; default: the data's",
+          "",
+          {},
+          "column mean deviation maximum"},
+         plain(VOG_MEMBER(unit))},
+        {{"least_column",
+          kQuantity,
+          "SHARE",
+          "Share of the largest column below which a picture of a field shows nothing: the mean of "
+          "next to nothing is no colour. Files of values have every pixel",
+          fmt::format("{}", kLeastColumn),
+          {},
+          "mean deviation"},
+         plain(VOG_MEMBER(least_column), kShare)},
+    };
+}
+
+std::vector<Entry> colour_entries() {
+    return {
+        {{"tf", kColour, "NAME|FILE",
+          fmt::format("Transfer function from V = 1 - exp(-T), or from values in `range`, to "
+                      "colour: a JSON file (of vog or ParaView) or one of {}. Default: {}, of maps "
+                      "{}",
+                      fmt::join(transfer_function_names(), ", "), default_map(Show::depth),
+                      default_map(Show::column))},
+         transfer_values()},
+        {{"extinction",
+          kColour,
+          "NUMBER",
+          "Extinction, the factor on density in the optical depth T, or auto: the value at which "
+          "the 99th percentile of the first picture's non-zero T is 4",
+          "auto",
+          {},
+          "T"},
+         extinction_values()},
+        {{"background", kColour, "COLOUR",
+          "Background colour: R,G,B in [0, 1], black, white or transparent", "black"},
+         background_values()},
+        {{"blend",
+          kColour,
+          "",
+          "Blend colours with the background by V, as the paper does: they fade out as V goes to 0",
+          "",
+          {},
+          "T"},
+         plain(VOG_MEMBER(shading.blend))},
+    };
+}
+
+std::vector<Entry> volume_entries() {
+    const VolumeLook look;
+    return {
+        {{"window",
+          kVolume,
+          "CENTRE,WIDTH",
+          "Window of medical pictures: grey and opacity rise over the values from CENTRE-WIDTH/2 "
+          "to CENTRE+WIDTH/2",
+          "",
+          {},
+          "volume"},
+         pair(VOG_MEMBER(transfer.window), false, "CENTRE,WIDTH, a width above 0")},
+        {{"bands",
+          kVolume,
+          "LO,HI,COLOUR,OPACITY|VALUE,COLOUR",
+          fmt::format("Band of values from LO to below HI of one colour (#rrggbb or a name: {}) "
+                      "and opacity, or the surface at VALUE, opaque up to the next band; may be "
+                      "given again",
+                      color_names()),
+          "",
+          {},
+          "volume",
+          "",
+          true},
+         bands_values()},
+        {{"threshold", kVolume, "VALUE", "Value below which nothing is shown", "", {}, "volume"},
+         open(VOG_MEMBER(transfer.threshold), kAny)},
+        {{"unit_distance",
+          kVolume,
+          "LENGTH",
+          "World length over which opacities hold: extinction = -ln(1 - opacity) / unit distance. "
+          "Default: the file's of `tf`, else a hundredth of the box's diagonal; for the name of a "
+          "colour map the one at which data of the median value, spread evenly over the "
+          "silhouette of their box, have an optical depth of 2",
+          "",
+          {},
+          "volume"},
+         open(VOG_MEMBER(transfer.unit_distance),
+              {kLeast, kMost, "a finite length above 0, world units"})},
+        {{"light",
+          kVolume,
+          "head|X,Y,Z",
+          "Light of Blinn and Phong on the gradient of the values: head (from the eye) or a "
+          "direction of the world towards the light",
+          "",
+          {},
+          "volume"},
+         light_values()},
+        {{"light_weights",
+          kVolume,
+          "AMBIENT,DIFFUSE,SPECULAR,POWER",
+          "Weights of `light` and the power of highlights",
+          fmt::format("{},{},{},{}", look.ambient, look.diffuse, look.specular, look.power),
+          {},
+          "volume"},
+         weights_values()},
+        {{"slabs",
+          kVolume,
+          "N",
+          "Depth slabs a tile of a model's picture by splat, cuda or optix: more lie nearer to "
+          "exact order (`renderer` trace), and cost memory and time; default 32, of maximum 128",
+          "",
+          {},
+          "volume maximum",
+          "splat cuda optix"},
+         open(VOG_MEMBER(slabs), {1, 1024, "1 to 1024"})},
+        {{"clip", kClip, "X0,Y0,Z0,X1,Y1,Z1",
+          "Box of the world that counts, exact on every ray; a page or a window begins with it"},
+         box_values()},
+        {{"clip_planes",
+          kClip,
+          "NX,NY,NZ,D",
+          "Plane that cuts off its side behind: a point x of the world counts where n.x >= d; may "
+          "be given again",
+          "",
+          {},
+          "",
+          "",
+          true},
+         planes_values()},
+    };
+}
+
+std::vector<Entry> picture_entries() {
+    return {
+        {{"size", kPicture, "WxH", "Size of the picture in pixels, or one number for a square",
+          "512x512"},
+         size_values()},
+        {{"color_bar", kPicture, "",
+          "Add a colour bar with ticks on the right of the picture, which becomes wider; an "
+          "orthographic picture along axes gets coordinates on the left and below"},
+         plain(VOG_MEMBER(marks.color_bar))},
+        {{"axes", kPicture, "",
+          "Draw the outline of the data's box, with coordinates along its edges; a fitted picture "
+          "holds it whole"},
+         plain(VOG_MEMBER(marks.axes))},
+        {{"scale_bar", kPicture, "",
+          "Draw a bar of a round length, in world units, at the depth of the point looked at"},
+         plain(VOG_MEMBER(marks.scale_bar))},
+        {{"title", kPicture, "TEXT", "Text above the picture, which becomes higher"},
+         plain(VOG_MEMBER(marks.title))},
+    };
+}
+
+std::vector<Entry> renderer_entries() {
+    const std::vector<std::string> hits{"accumulate", "collect"}, readings{"constant", "linear"};
+    return {
+        {{"renderer", kRenderer, "", renderers_text(), "", words_of_renderers()},
+         renderer_values()},
+        {{"pixel_error",
+          kRenderer,
+          "PIXELS",
+          "Largest error of a coarser Gaussian that splat, cuda or optix draws in place of finer "
+          "ones, pixels; 0: none is drawn; default: 1 of splat, none of the others. Needs a "
+          "hierarchy, which vog convert writes; a model without one gets one when this option is "
+          "given",
+          "",
+          {},
+          "T column mean deviation",
+          "splat optix cuda"},
+         open(VOG_MEMBER(options.pixel_error), kFromZero)},
+        {{"kappa",
+          kRenderer,
+          "SHARE",
+          "Cut kernels where they have fallen to this share of their peak, in place of the model's "
+          "own cutoff: k = sqrt(-2 ln kappa)",
+          "",
+          {},
+          "",
+          "splat trace optix cuda"},
+         plain(VOG_MEMBER(options.kappa), {0, 0.999, "0, or 1.3e-14 to 0.999"})},
+        {{"aabb_sigma",
+          kRenderer,
+          "RADII",
+          "The paper's bounding boxes: a ray counts a Gaussian only if it meets the box of this "
+          "many times the paper's radii; 0: no boxes",
+          "0",
+          {},
+          "",
+          "splat trace optix"},
+         plain(VOG_MEMBER(options.aabb_sigma), kFromZero)},
+        {{"interpolation", kRenderer, "",
+          "Voxels of the reference: constant (exact), or linear between their centres", "constant",
+          readings, "", "reference"},
+         choice(VOG_MEMBER(options.voxels.interpolation), readings)},
+        {{"step",
+          kRenderer,
+          "VOXELS",
+          "Step of linear interpolation; 0: exact, cell by cell",
+          fmt::format("{}", VoxelGridOptions{}.step_voxels),
+          {},
+          "",
+          "reference"},
+         plain(VOG_MEMBER(options.voxels.step_voxels), kFromZero)},
+        {{"samples",
+          kRenderer,
+          "N",
+          "Rays of reference and optix: N for the mean of N x N in each pixel; 1: the ray through "
+          "its centre",
+          "1",
+          {},
+          "",
+          "reference optix"},
+         plain(VOG_MEMBER(options.samples), {1, 64, "1 to 64"})},
+        {{"anyhit", kRays, "",
+          "Treatment of a hit by trace and optix: accumulate adds it at once; collect, as the "
+          "paper, gathers, sorts by entry and integrates front to back",
+          "accumulate", hits, "T column", "trace optix"},
+         choice(VOG_MEMBER(options.trace.anyhit), hits)},
+        {{"hits_per_slab",
+          kRays,
+          "N",
+          "Hits that collect holds at once; rays with more go on, slab by slab",
+          fmt::format("{}", TraceOptions{}.hits_per_slab),
+          {},
+          "T column",
+          "trace optix"},
+         plain(VOG_MEMBER(options.trace.hits_per_slab), {1, 256, "1 to 256"})},
+        {{"stop_transmittance",
+          kRays,
+          "SHARE",
+          "End a ray of collect once its transmittance is below this; 0: never",
+          "0",
+          {},
+          "T",
+          "trace optix"},
+         plain(VOG_MEMBER(options.trace.stop_transmittance), {0, 0.999999, "0 to 0.999999"})},
+        {{"camera", "", "", ""}, camera_values()},
+    };
+#undef VOG_MEMBER
+}
+
+}  // namespace
+
+const std::vector<Entry>& entries() {
+    static const std::vector<Entry> all = [] {
+        std::vector<Entry> joined;
+        for (const auto& part : {quantity_entries(), colour_entries(), volume_entries(),
+                                 picture_entries(), renderer_entries()})
+            joined.insert(joined.end(), part.begin(), part.end());
+        return joined;
+    }();
+    return all;
+}
+
+const Entry& entry_of(const std::string& key) {
+    std::vector<std::string> keys;
+    for (const Entry& entry : entries()) {
+        if (entry.schema.key == key) return entry;
+        keys.push_back(entry.schema.key);
+    }
+    throw RequestError(key,
+                       fmt::format(": no member of a request, expected {}", fmt::join(keys, ", ")));
+}
+
+}  // namespace requests
+
+std::span<const RequestMember> request_schema() {
+    static const std::vector<RequestMember> all = [] {
+        std::vector<RequestMember> members;
+        for (const requests::Entry& entry : requests::entries())
+            if (entry.schema.key != "camera") members.push_back(entry.schema);
+        return members;
+    }();
+    return all;
+}
+
+}  // namespace vog
