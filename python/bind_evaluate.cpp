@@ -1,4 +1,4 @@
-// bind_evaluate.cpp: evaluate(): the paper's tables and plots; rate_distortion(): bytes against error.
+// bind_evaluate.cpp: evaluate(): the paper's tables and plots.
 #include <map>
 #include <memory>
 #include <tuple>
@@ -7,7 +7,6 @@
 #include "sampled_fields.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
-#include "vog/rate_distortion.h"
 
 namespace vog::python {
 
@@ -76,29 +75,6 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     return results_in(folder / "results.json");
 }
 
-py::object rate_distortion_of(const py::object& volume, const std::filesystem::path& folder,
-                              const py::object& size, const py::object& extinction,
-                              const std::vector<std::string>& tf, int model_sizes, int tolerances,
-                              double max_loss, const py::object& progress) {
-    const bool one = py::isinstance<Volume>(volume);
-    const auto levels = one ? nullptr : levels_of(volume);
-    if (!one && !levels) refuse_data(volume, "rate_distortion", "a Volume");
-    if (levels && levels->volumes.size() != 1)
-        throw Error("rate_distortion: " + std::to_string(levels->volumes.size()) +
-                    " volumes, expected one, as a file of each codec holds: levels[0]");
-    RateDistortionOptions options;
-    std::tie(options.width, options.height) = size_of(size);
-    options.extinction = extinction_of(extinction).value_or(0);
-    options.value_functions = tf;
-    options.model_sizes = model_sizes;
-    options.tolerances = tolerances;
-    options.max_loss_db = max_loss;
-    options.progress = progress_of(progress);
-    const Volume& data = one ? volume.cast<const Volume&>() : levels->volumes.front();
-    unlocked([&] { (void)rate_distortion(data, folder, options); });
-    return results_in(folder / "rate_distortion.json");
-}
-
 }  // namespace
 
 void bind_evaluate(py::module_& m) {
@@ -127,24 +103,6 @@ resume       True: continues an interrupted evaluation with its finished convers
 progress     called with the finished fraction, [0, 1]
 
 Returns the contents of results.json as a dict (docs/evaluation.md).)");
-    m.def(
-        "rate_distortion", &rate_distortion_of, py::arg("volume"), py::arg("folder"), py::kw_only(),
-        py::arg("size") = 512, py::arg("extinction") = "auto",
-        py::arg("tf") = std::vector<std::string>{}, py::arg("model_sizes") = 10,
-        py::arg("tolerances") = 10, py::arg("max_loss") = 0.1, py::arg("progress") = py::none(),
-        R"(Measures bytes against error: models as .vogz beside the volume's voxels as .vdb, NanoVDB, ZFP and SZ3.
-
-volume       a Volume, or Levels of one
-folder       output folder, created if absent: rate_distortion.json, .csv, .md, plots (.svg), files/
-size         size of the pictures in pixels, 512 or (width, height)
-extinction   factor on density, or 'auto': by the reference of each view
-tf           further transfer functions of values: a list of names or JSON files
-model_sizes  number of models, with 1/4096 to 1/8 of the active voxels as Gaussians
-tolerances   most tolerances of a codec, each half of the one before, of a PSNR of V from 35 to 58 dB
-max_loss     loss of PSNR of V by the rounding of a model's file, dB
-progress     called with the finished fraction, [0, 1]
-
-Returns the contents of rate_distortion.json as a dict (docs/evaluation.md).)");
 }
 
 }  // namespace vog::python

@@ -31,7 +31,7 @@ PUBLIC_HEADERS = {
     "compare": "compare compare_maps vogz_fit",
     "convert": "convert convert_fields convert_moments convert_paper convert_points",
     "voxelize": "voxelize",
-    "evaluate": "evaluate rate_distortion",
+    "evaluate": "evaluate",
     "web": "export_html",
     "sample": "sample",
     "apps": "vog",  # everything: for users, never for the library itself

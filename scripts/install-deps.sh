@@ -29,8 +29,6 @@ all_packages=(
     chromium nodejs python3
     # Python package and its tests; the stubs are checked by mypy, a notebook is run by Jupyter
     python3-nbclient python3-ipykernel python3-dev python3-numpy python3-pytest python3-pip python3-venv mypy python3-mypy
-    # the codec that vog evaluate --rate-distortion compares with
-    libzfp-dev
     # clusters
     libopenmpi-dev openmpi-bin
     # tests, benches, checks of format and house

@@ -55,7 +55,7 @@ build() {  # python; prints the wheel's file
     PATH=$venv/bin:$PATH CMAKE_CXX_COMPILER_LAUNCHER=ccache "$venv/bin/pip" wheel "$source" --quiet --no-deps --no-build-isolation \
         -w "$made/plain" --config-settings=build-dir="$source/build/release" --config-settings=cmake.build-type=Release --config-settings=install.strip=true \
         --config-settings="cmake.define.Python_EXECUTABLE=$venv/bin/python" \
-        --config-settings=cmake.define.VOG_HTTPLIB=OFF --config-settings=cmake.define.VOG_CFITSIO=OFF --config-settings=cmake.define.VOG_HDF5=OFF --config-settings=cmake.define.VOG_ZFP_INCLUDE= \
+        --config-settings=cmake.define.VOG_HTTPLIB=OFF --config-settings=cmake.define.VOG_CFITSIO=OFF --config-settings=cmake.define.VOG_HDF5=OFF \
         --config-settings="cmake.define.VOG_WERROR=${VOG_WERROR:-OFF}" --config-settings="cmake.define.VOG_COMMIT=$commit" >&2
     PATH=$venv/bin:$PATH "$venv/bin/auditwheel" -v repair --strip -w "$made/whole" "$made"/plain/*.whl >"$made/audit.log" 2>&1 ||
         { tail -50 "$made/audit.log" >&2; exit 1; }

@@ -31,7 +31,6 @@
 //            value_transfer.h   transfer functions of a field's values
 //   judge    compare.h          differences between two images
 //            evaluate.h         tables and figures of many conversions of one data set
-//            rate_distortion.h  bytes against error, of models and of the voxels themselves
 //   share    export_html.h      models as one HTML page
 //            site.h             models that browsers and views load in parts
 //   all      error.h            the exception type
@@ -71,7 +70,6 @@
 #include "vog/points.h"
 #include "vog/progress.h"
 #include "vog/quantity.h"
-#include "vog/rate_distortion.h"
 #include "vog/renderer.h"
 #include "vog/request_schema.h"
 #include "vog/sample.h"

@@ -38,7 +38,6 @@ __all__ = [
     "compare_shaded",
     "difference_map",
     "evaluate",
-    "rate_distortion",
     "export_html",
     "export_splats",
     "voxelize",
@@ -560,18 +559,6 @@ def evaluate(
     fields: Union[dict[str, Any], None] = ...,
     voxels: bool = ...,
     resume: bool = ...,
-    progress: Union[_Progress, None] = ...,
-) -> dict[str, Any]: ...
-def rate_distortion(
-    volume: _Mesh,
-    folder: _Path,
-    *,
-    size: _Size = ...,
-    extinction: _Extinction = ...,
-    tf: Sequence[str] = ...,
-    model_sizes: int = ...,
-    tolerances: int = ...,
-    max_loss: float = ...,
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...
 def export_html(

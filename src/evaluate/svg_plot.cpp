@@ -22,15 +22,6 @@ constexpr const char* kOthersColor = "#777777";
 constexpr double kWidth = 460, kHeight = 330;
 constexpr double kLeft = 50, kRight = 14, kBottom = 46, kLegendLine = 17, kTitle = 26;
 
-/// Of a file of its own; pages have theirs.
-constexpr const char* kPlotStyle = R"(<style>
-text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #3d4650; }
-.title { font-size: 14px; font-weight: 600; fill: #1d2329; } .label { fill: #5b6670; }
-.grid { stroke: #e6e9ec; } .axis { stroke: #1d2329; } .series { fill: none; stroke-width: 2; }
-</style>
-<rect width="100%" height="100%" fill="#ffffff"/>
-)";
-
 struct Axis {
     double low = 0, high = 1;
     std::vector<double> ticks;
@@ -233,18 +224,6 @@ std::string svg(const Plot& plot) {
         out += draw(plot, frame, series, n);
     }
     return out + "</svg>\n";
-}
-
-std::string svg_file(const Plot& plot) {
-    constexpr double kScale = 1.6;  // to the width of a page
-    constexpr std::string_view kElement = "<svg class=\"plot\"";
-    const std::string element = svg(plot);
-    const std::size_t inside = element.find('\n') + 1;
-    return fmt::format(
-               "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\"",
-               kScale * kWidth, kScale * kHeight) +
-           element.substr(kElement.size(), inside - kElement.size()) + kPlotStyle +
-           element.substr(inside);
 }
 
 }  // namespace vog::evaluation

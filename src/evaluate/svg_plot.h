@@ -28,7 +28,5 @@ struct Plot {
 /// The plot as an <svg> element, with axes, ticks at round values, a legend, and colours that
 /// colour-blind readers can tell apart.
 std::string svg(const Plot& plot);
-/// The same as a file of its own, with its style and a white background.
-std::string svg_file(const Plot& plot);
 
 }  // namespace vog::evaluation

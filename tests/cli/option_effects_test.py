@@ -122,7 +122,6 @@ def cases():
     yield "evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"]
     yield "evaluate", [VOLUME, MODEL, "-o", "{out}/e", "--size", "12"]
     yield "evaluate", [VOLUME, "{made}/tiny.ply", "-o", "{out}/e", "--size", "12", "--show", "volume"]
-    yield "evaluate", [VOLUME, "-o", "{out}/e", "--size", "12", "--rate-distortion", "--model-sizes", "1", "--tolerances", "1"]
     yield "voxelize", [MODEL, "-o", "{out}/v.vdb", "--like", "{made}/fire.vdb"]
     yield "voxelize", [MODEL, "-o", "{out}/v.nvdb", "--voxel-size", "4"]
     for kind in ("cloud", "head", "amr", "fire", "explosion"):

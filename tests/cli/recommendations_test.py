@@ -150,7 +150,7 @@ NOT_RUN = [
 # A message that names options, and recommends none: a value is wrong, or a fact is told.
 STATES_ONLY = re.compile(
     r"^(?:\{\}: |: )?(?:--[a-z-]+[ :,]|'?\{\}'?: '\{\}' of)|--opacity-threshold \{\}|^\{\}: error by value|grid '\{\}', expected|from --reference"
-    r"|is of --show volume|default options of vog convert|--rate-distortion|the model has no field for|no field\{\}, expected|--mask '\{\}'")
+    r"|is of --show volume|default options of vog convert|the model has no field for|no field\{\}, expected|--mask '\{\}'")
 
 
 def messages():

@@ -62,7 +62,7 @@ FILES = {"Volume": "a.vdb", "Levels": "a.vdb", "Points": "a.xyz", "Gaussians": "
 SAVED = {**{name: "saved" + file[1:] for name, file in FILES.items()}, "Picture": "saved.npy", "export_html": "saved.html", "export_splats": "saved.ply"}
 OBJECTS = {"Volume": volume, "Levels": levels, "Points": points, "Gaussians": model, "DepthImage": depth, "Image": image, "TransferFunction": tf,
            "Camera": camera, "Picture": maps, "threads": vog.threads(1), "Field": model.fields["density"]}
-SLOW = {"sample_cloud", "sample_explosion", "sample_head", "sample_fire", "sample_levels", "evaluate", "rate_distortion"}
+SLOW = {"sample_cloud", "sample_explosion", "sample_head", "sample_fire", "sample_levels", "evaluate"}
 REQUIRED = {"voxelize": {"voxel_size": 0.5}}
 THROWN = (vog.Error, TypeError, ValueError, LookupError, OSError, ImportError, AttributeError, OverflowError, ArithmeticError, RuntimeError, MemoryError)
 
@@ -105,7 +105,7 @@ def usual(name, parameter, owner):
         short = name.rsplit(".", 1)[-1]
         return FILES.get(owner, "a.vdb") if short == "load" else SAVED.get(owner or name, "saved.vdb") if short != "grid_names" else "a.vdb"
     if name in ("compare", "compare_shaded", "difference_map"): return {"tf": "viridis"}.get(parameter, picture)
-    if name in ("evaluate", "rate_distortion") and parameter in ("data", "volume"): return None  # a whole evaluation takes minutes
+    if name == "evaluate" and parameter == "data": return None  # a whole evaluation takes minutes
     if name == "Image.from_numpy": return np.zeros((4, 4, 3))
     if name == "TransferFunction.from_matplotlib": return "viridis"
     return USUAL.get(parameter, 1)

@@ -314,21 +314,6 @@ def test_gpu_renderers_draw_fields_or_say_what_is_missing(model, renderer):
             vog.render(model, size=48, show="mean", field="density", renderer=renderer, **options)
 
 
-def test_rate_distortion_returns_what_it_writes(tmp_path, cloud):
-    fractions = []
-    result = vog.rate_distortion(
-        cloud, tmp_path / "out", size=24, model_sizes=2, tolerances=1, max_loss=0.5, progress=fractions.append
-    )
-    assert fractions[-1] == 1
-    assert result == json.loads((tmp_path / "out/rate_distortion.json").read_text())
-    assert result["max_loss_db"] == 0.5 and result["functions"] == ["ramp", "bands", "step"]
-    few, many = [row for row in result["rows"] if row["series"] == "model"]
-    assert few["bytes"] == (tmp_path / "out" / few["file"]).stat().st_size < many["bytes"]
-    assert few["psnr_v_db"]["+x"] < many["psnr_v_db"]["+x"]
-    with pytest.raises(vog.Error, match="0 model sizes"):
-        vog.rate_distortion(cloud, tmp_path, model_sizes=0)
-
-
 def test_evaluate_returns_what_it_writes(tmp_path, cloud):
     fractions = []
     result = vog.evaluate(cloud, tmp_path / "out", size=32, repeats=1, conversions="paper", progress=fractions.append)

@@ -141,8 +141,13 @@ Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ra
     });
 }
 
-/// Options that all evaluations share: folder, size, extinction.
-void set_common(EvaluateArguments& arguments) {
+void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
+    take_models(arguments, ranks);
+    set_transfer_functions(arguments);
+    if (common_kind(arguments.inputs, arguments.volume.grid) != FileKind::volume)
+        throw Error(
+            fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
+                        arguments.inputs.front()));
     if (std::filesystem::exists(arguments.folder) &&
         !std::filesystem::is_directory(arguments.folder))
         throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
@@ -151,16 +156,6 @@ void set_common(EvaluateArguments& arguments) {
     arguments.options.height = size.height;
     if (arguments.extinction != "auto")
         arguments.options.extinction = parse_extinction(arguments.extinction);
-}
-
-void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
-    take_models(arguments, ranks);
-    set_transfer_functions(arguments);
-    if (common_kind(arguments.inputs, arguments.volume.grid) != FileKind::volume)
-        throw Error(
-            fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
-                        arguments.inputs.front()));
-    set_common(arguments);
     const ThreadLimit limit(arguments.threads);
     if (!arguments.models.empty())
         arguments.options.conversions = model_rows(arguments.models, arguments.volume.values);
@@ -246,15 +241,11 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     command->add_flag("--resume", arguments->options.resume,
                       "Continue an interrupted evaluation: keep the conversions that are finished");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    if (!ranks.load) add_rate_options(*command, arguments->rate);
     command->callback([arguments, command, ranks] {
         const std::vector<std::string>& inputs = arguments->inputs;
         require_effects(*command, {{"input", input_fact(FileKind::volume, inputs)}});
         arguments->volume.refuse_several = true;  // of another grid the figures would be others
-        if (!arguments->rate.chosen) return evaluate_files(*arguments, ranks);
-        set_common(*arguments);
-        const ThreadLimit limit(arguments->threads);
-        run_rate_distortion(*arguments);
+        evaluate_files(*arguments, ranks);
     });
 }
 

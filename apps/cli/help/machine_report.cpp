@@ -116,12 +116,6 @@ struct OptionalLibrary {
 #ifndef VOG_WITH_HDF5
 #define VOG_WITH_HDF5 ""
 #endif
-#ifndef VOG_WITH_ZFP
-#define VOG_WITH_ZFP ""
-#endif
-#ifndef VOG_WITH_SZ3
-#define VOG_WITH_SZ3 ""
-#endif
 #ifndef VOG_WITH_OPENVDB
 #define VOG_WITH_OPENVDB "yes"
 #endif
@@ -137,8 +131,6 @@ constexpr OptionalLibrary kLibraries[] = {
     {"libtiff", "stacks of .tif", VOG_WITH_TIFF},
     {"cfitsio", "cubes of .fits", VOG_WITH_CFITSIO},
     {"HDF5", "particles in .hdf5", VOG_WITH_HDF5},
-    {"zfp", "vog evaluate --rate-distortion", VOG_WITH_ZFP},
-    {"SZ3", "vog evaluate --rate-distortion", VOG_WITH_SZ3},
     {"cpp-httplib", "vog serve", VOG_WITH_HTTPLIB},
     {"window", "vog view", VOG_WITH_VIEWER}};
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "models/rate_run.h"
 #include "shared/inputs.h"
 #include "vog/evaluate.h"
 
@@ -22,7 +21,6 @@ struct EvaluateArguments {
     std::string folder, size = "512x512", extinction = "auto";
     VolumeInputOptions volume;
     EvaluateOptions options;
-    RateArguments rate;
     int threads = 0;
     bool json = false, verbose = false;
 };

@@ -103,21 +103,4 @@ std::vector<std::vector<ValueResult>> ValueComparison::compare(const Gaussians& 
     return results;
 }
 
-std::vector<std::vector<ValueResult>> ValueComparison::compare(const Volume& volume) const {
-    const VoxelField values = measure_field(volume, values_.front().name);
-    std::vector<std::vector<ValueResult>> results;
-    for (std::size_t f = 0; f < functions_.size(); ++f) {
-        std::vector<ValueResult>& of_function = results.emplace_back();
-        for (std::size_t view = 0; view < views_.size(); ++view) {
-            const VolumeImage picture =
-                render_volume_reference(std::span(&volume, 1), std::span(&values, 1), functions_[f],
-                                        views_[view], width_, height_);
-            const PictureDifference difference =
-                vog::compare(reference_[f][view], over(picture, kBlack));
-            of_function.push_back({difference.psnr_db, difference.ssim});
-        }
-    }
-    return results;
-}
-
 }  // namespace vog::evaluation

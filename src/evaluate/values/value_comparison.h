@@ -25,8 +25,6 @@ class ValueComparison {
     /// `vog convert` adds them.
     /// returns  [functions][views]
     std::vector<std::vector<ValueResult>> compare(const Gaussians& model) const;
-    /// The same of other voxels, one volume, by their own values.
-    std::vector<std::vector<ValueResult>> compare(const Volume& volume) const;
 
   private:
     std::span<const Volume> volumes_;

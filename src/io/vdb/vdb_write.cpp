@@ -8,7 +8,6 @@
 
 #include "core/atomic_file.h"
 #include "io/vdb/vdb_volume.h"
-#include "io/vdb/vdb_zip.h"
 #include "vog/openvdb.h"
 #include "vog/volume_io.h"
 
@@ -64,14 +63,9 @@ std::int64_t position(std::ostream& out) {
     return at;
 }
 
-/// OpenVDB's flags; its default is a variable, blosc where it was built with that.
-std::uint32_t compression_flags(bool zip) {
-    return zip ? openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK
-               : openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
-}
-
-void write_grid(std::ostream& out, const GridToWrite& write, bool zip) {
-    const std::uint32_t compression = compression_flags(zip);
+void write_grid(std::ostream& out, const GridToWrite& write) {
+    // A variable of OpenVDB: blosc where it was built with that.
+    const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
     const openvdb::GridBase& grid = *write.grid;
     // The stream's metadata counts the passes in which points are written.
     openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata), none;
@@ -100,9 +94,10 @@ void write_grid(std::ostream& out, const GridToWrite& write, bool zip) {
     openvdb::io::setStreamMetadataPtr(out, none, false);
 }
 
-/// Writes grids; their values by zip, or by OpenVDB's default.
-void write_grids(const std::filesystem::path& file, std::size_t count,
-                 const std::function<GridToWrite(std::size_t)>& grid_of, bool zip) {
+}  // namespace
+
+void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
+                          const std::function<GridToWrite(std::size_t)>& grid_of) {
     const std::string where = file.string();
     with_vdb_errors(where, [&] {
         write_file(file, [&](std::ofstream& out) {
@@ -110,14 +105,17 @@ void write_grids(const std::filesystem::path& file, std::size_t count,
             for (std::size_t n = 0; n < count; ++n) {
                 const GridToWrite write = grid_of(n);
                 write.grid->setCreator("vog");
-                write_grid(out, write, zip);
+                write_grid(out, write);
             }
         });
     });
 }
 
-void write_volumes(const std::filesystem::path& file, std::span<const Volume> volumes, bool half,
-                   bool zip) {
+void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
+    write_vdb(file, std::span(&volume, 1), half);
+}
+
+void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes, bool half) {
     const std::string where = file.string();
     require_names(volumes, where);
     for (const Volume& volume : volumes) {
@@ -131,26 +129,7 @@ void write_volumes(const std::filesystem::path& file, std::span<const Volume> vo
         grid->addStatsMetadata();
         return {grid, {}};
     };
-    write_grids(file, volumes.size(), grid_of, zip);
-}
-
-}  // namespace
-
-void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
-                          const std::function<GridToWrite(std::size_t)>& grid_of) {
-    write_grids(file, count, grid_of, false);
-}
-
-void vdb::write_vdb_zip(const std::filesystem::path& file, const Volume& volume, bool half) {
-    write_volumes(file, std::span(&volume, 1), half, true);
-}
-
-void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
-    write_vdb(file, std::span(&volume, 1), half);
-}
-
-void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes, bool half) {
-    write_volumes(file, volumes, half, false);
+    write_vdb_grids(file, volumes.size(), grid_of);
 }
 
 }  // namespace vog

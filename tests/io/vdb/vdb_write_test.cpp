@@ -1,7 +1,6 @@
 // vdb_write_test.cpp: exact round trips of volumes through OpenVDB grids and files.
 #include <gtest/gtest.h>
 
-#include "io/vdb/vdb_zip.h"
 #include "support/data.h"
 #include "support/random_volume.h"
 #include "support/refused_files.h"
@@ -37,18 +36,6 @@ TEST(vdb_write, a_volume_comes_back_exactly_through_a_grid_and_through_a_file) {
         expect_same_volume(volume_from_grid(*grid_from_volume(volume)), volume);
         write_vdb(dir / "volume.vdb", volume);
         expect_same_volume(read_vdb(dir / "volume.vdb"), volume);
-    }
-}
-
-TEST(vdb_write, zip_and_blosc_hold_the_same_volume_in_different_bytes) {
-    const TempDir dir;
-    const Volume volume = sample_volume();
-    for (const bool half : {false, true}) {
-        vdb::write_vdb_zip(dir / "zip.vdb", volume, half);
-        write_vdb(dir / "blosc.vdb", volume, half);
-        expect_same_volume(read_vdb(dir / "zip.vdb"), read_vdb(dir / "blosc.vdb"));
-        EXPECT_NE(std::filesystem::file_size(dir / "zip.vdb"),
-                  std::filesystem::file_size(dir / "blosc.vdb"));
     }
 }
 
