@@ -60,8 +60,7 @@ void bind_exchange(py::module_& m) {
     m.def("export_splats", &export_splats, py::arg("model"), py::arg("file"), py::kw_only(),
           py::arg("extinction") = "auto", py::arg("colors") = py::none(),
           py::arg("units") = py::none(), py::arg("up") = py::none(), py::arg("layout") = "3dgs", R"(
-Writes a model as splats of one opacity each, for renderers of 3D Gaussian splatting: .ply, .spz, .glb,
-.usda or .usdc.
+Writes a model as splats of one opacity each, for renderers of 3D Gaussian splatting: .ply, .spz, .glb, .usda.
 
 extinction  factor on density, or 'auto': the 99th percentile of T in the fitted view 'paper' is 4
 colors      [N, 3] red, green, blue of the Gaussians, [0, 1]; None: white

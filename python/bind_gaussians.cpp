@@ -304,7 +304,7 @@ Raises vog.Error for other shapes and values out of range.)")
         .def_static("load", &load, py::arg("file"), py::kw_only(), py::arg("level") = py::none(),
                     py::arg("box") = py::none(), py::arg("fields") = py::none(),
                     py::arg("skip_nonfinite") = false, R"(
-Reads a model: .ply in the layout of vog, 3DGS or volprim, compact (.vogz), or splats (.spz, .glb, .usda, .usdc),
+Reads a model: .ply in the layout of vog, 3DGS or volprim, compact (.vogz), or splats (.spz, .glb, .usda),
 whose opacities become densities.
 
 skip_nonfinite  leaves splats of other programs out that have a NaN or infinite number, which is an error otherwise

@@ -55,9 +55,9 @@ struct SplatsError {
                                        double extinction);
 
 /// Writes splats, beside the file, renamed when whole: by the extension .ply (3DGS: logarithms of scales, logits of opacities,
-/// f_dc), .spz (version 3, 24-bit positions, 8-bit scales and opacities), .glb (glTF with KHR_gaussian_splatting), .usda or
-/// .usdc (OpenUSD's ParticleField3DGaussianSplat, as text or as a crate). Splats are turned so that they stand upright: y is up in
-/// .spz, .glb, .usda and .usdc, -y in .ply. The file states the turn, world_scale and world_center, and read_model undoes them.
+/// f_dc), .spz (version 3, 24-bit positions, 8-bit scales and opacities), .glb (glTF with KHR_gaussian_splatting), .usda
+/// (OpenUSD's ParticleField3DGaussianSplat, as text). Splats are turned so that they stand upright: y is up in
+/// .spz, .glb and .usda, -y in .ply. The file states the turn, world_scale and world_center, and read_model undoes them.
 /// up      direction that is upright in the data, not 0
 /// throws  vog::Error for another extension, no splats, positions beyond what .spz holds, or if the file cannot be written
 void write_splats(const std::filesystem::path& file, const Splats& splats, Vec3d up = {0, 1, 0});

@@ -12,7 +12,7 @@ namespace vog {
 struct ModelPart;
 
 /// Reads a model: .ply as read_ply (vog/ply.h), .vogz as read_vogz (vog/vogz.h), and splats: .spz (versions 2 to 4), .glb
-/// (glTF with KHR_gaussian_splatting), .usda, .usdc and .usd (OpenUSD's ParticleField3DGaussianSplat), whose opacities become
+/// (glTF with KHR_gaussian_splatting), .usda and .usd of text (OpenUSD's ParticleField3DGaussianSplat), whose opacities become
 /// densities as those of 3DGS's PLY do. A site's folder (vog/site.h) gives its whole first model.
 /// hierarchy  receives the file's hierarchy, or an empty one; null: not read
 /// rules      skip_nonfinite: leaves splats out that have a number that is not finite, an error otherwise

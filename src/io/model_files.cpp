@@ -34,7 +34,7 @@ Format format_of(const std::filesystem::path& file, const char* expected) {
 }
 
 constexpr const char* kReadable =
-    ".ply, .vogz (model), .spz, .glb, .usda, .usdc or .usd (splats), or a site's folder";
+    ".ply, .vogz (model), .spz, .glb, .usda or .usd (splats), or a site's folder";
 
 /// Run of a model that was read whole.
 Gaussians part_of(const Gaussians& whole, const ModelPart& part) {

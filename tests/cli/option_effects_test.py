@@ -74,7 +74,7 @@ PICTURE = ["-o", "{out}/p.png", *SMALL]
 
 def cases():
     """[command, words]: every kind of input and output, and for pictures every quantity and way to draw it."""
-    for output in ("p.html", "site/", "m.ply", "m.vogz", "m.spz", "m.glb", "m.usda", "m.usdc"):
+    for output in ("p.html", "site/", "m.ply", "m.vogz", "m.spz", "m.glb", "m.usda"):
         yield "export", [MODEL, "-o", "{out}/" + output]
     for layout in ("3dgs", "volprim"):
         yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]

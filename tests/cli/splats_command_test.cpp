@@ -107,6 +107,7 @@ TEST_F(splats_command, units_and_up_of_each_format) {
     must_fail(2, "export m.ply -o v.ply --as volprim --units box",
               "--units has no effect with -o FILE.ply --as volprim");
     must_fail(2, "export m.ply -o m.vogz --up z", "--up has no effect with -o FILE.vogz");
+    must_fail(1, "export m.ply -o m.usdc", "vog export -o m.usda, then usdcat m.usda -o m.usdc");
 }
 
 }  // namespace vog::test

@@ -32,15 +32,13 @@ chunk=$(ls "$made"/site/chunks/*.vogz)
 length=$(stat -c %s "$chunk") count=$(sed 's/.*"gaussians":\([0-9]*\),"error":0.0,"box".*/\1/' "$made/site/manifest.json")
 { printf '\x02'; printf "\\x$(printf %02x $((length % 256)))\\x$(printf %02x $((length / 256)))\\x$(printf %02x $((2 * (count - 1))))"
     cat "$chunk" "${chunk%.vogz}.0"; } >"$folder/site/chunk"
-for extension in spz glb usda usdc; do
+for extension in spz glb usda; do
     "$vog" export "$folder/ply/plain.ply" -o "$made/model.$extension" >/dev/null
 done
 { printf '\x00'; cat "$made/model.spz"; } >"$folder/splats/spz"
 { printf '\x01'; gzip -dc "$made/model.spz"; } >"$folder/splats/unpacked"
 { printf '\x02'; cat "$made/model.glb"; } >"$folder/splats/glb"
-for extension in usda usdc; do
-    { printf '\xf0'; cat "$made/model.$extension"; } >"$folder/splats/$extension"
-done
+{ printf '\xf0'; cat "$made/model.usda"; } >"$folder/splats/usda"
 "$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
     --save-camera "$folder/camera/perspective.json" >/dev/null
 "$vog" render "$folder/ply/plain.ply" --size 16 --show column --values-out "$folder/image/column.npy" >/dev/null

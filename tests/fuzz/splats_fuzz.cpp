@@ -1,5 +1,5 @@
 // splats_fuzz.cpp: Readers of the splats of other programs: .spz, packed or of any bytes, .glb, whole or of any JSON and
-// body, and .usd as text or as a crate.
+// body, and .usd as text.
 #include <zlib.h>
 
 #include <fstream>

@@ -12,7 +12,7 @@ import vog
 
 
 def test_files_of_splats(tmp_path, model):
-    for name in ("m.ply", "m.spz", "m.glb", "m.usda", "m.usdc"):
+    for name in ("m.ply", "m.spz", "m.glb", "m.usda"):
         report = vog.export_splats(model, tmp_path / name, extinction=0.5)
         assert (tmp_path / name).stat().st_size > 10 * len(model)
         assert report["worst_db"] <= report["mean_db"] and 0.1 < report["depth"] < 1.1
@@ -45,15 +45,15 @@ def splat_rows(file):
 
 def test_python_writes_the_bytes_of_the_command(tmp_path, model, command):
     model.save(tmp_path / "model.ply")
-    for name, layout in (("m.ply", ["--as", "3dgs"]), ("m.spz", []), ("m.glb", []), ("m.usda", []), ("m.usdc", [])):
+    for name, layout in (("m.ply", ["--as", "3dgs"]), ("m.spz", []), ("m.glb", []), ("m.usda", [])):
         command("export", "model.ply", "-o", name, *layout, "--up", "z")
         vog.export_splats(model, tmp_path / ("p" + name), up="z")
         assert (tmp_path / name).read_bytes() == (tmp_path / ("p" + name)).read_bytes(), name
 
 
-@pytest.mark.parametrize("name", ["m.usda", "m.usdc"])
-def test_openusd_reads_layers(tmp_path, model, name):
+def test_openusd_reads_layers(tmp_path, model):
     usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
+    name = "m.usda"
     vog.export_splats(model, tmp_path / name, extinction=0.5, up="z")
     stage = usd.Stage.Open(str(tmp_path / name))
     prim = stage.GetDefaultPrim()
@@ -70,9 +70,13 @@ def test_openusd_reads_layers(tmp_path, model, name):
     turns = [(q.GetReal(), *q.GetImaginary()) for q in prim.GetAttribute("orientations").Get()]
     assert np.array_equal(np.array(turns, np.float32), read.rotation)
     assert prim.GetAttribute("radiance:sphericalHarmonicsDegree").Get() == 0
-    # OpenUSD's own layers of the same prim, whose crates are compressed.
+    # OpenUSD's own layers of the same prim: of text, and binary, which have to be made text.
     for again in ("again.usda", "again.usdc", "again.usd"):
         stage.GetRootLayer().Export(str(tmp_path / again))
+    with pytest.raises(vog.Error, match="usdcat .*again.usdc -o .*again.usda"):
+        vog.Gaussians.load(tmp_path / "again.usdc")
+    usd.Stage.Open(str(tmp_path / "again.usdc")).GetRootLayer().Export(str(tmp_path / "text.usda"))
+    for again in ("again.usda", "text.usda"):
         back = vog.Gaussians.load(tmp_path / again)
         assert np.array_equal(back.mean, read.mean) and np.array_equal(back.density, read.density)
 
@@ -80,10 +84,9 @@ def test_openusd_reads_layers(tmp_path, model, name):
 def test_openusd_validates_layers(tmp_path, model):
     validation = pytest.importorskip("pxr.UsdValidation", reason="usd-core with validators is not installed")
     usd = pytest.importorskip("pxr.Usd")
-    for name in ("m.usda", "m.usdc"):
-        vog.export_splats(model, tmp_path / name, extinction=0.5)
-        context = validation.ValidationContext(validation.ValidationRegistry().GetOrLoadAllValidators())
-        assert [str(e.GetErrorAsString()) for e in context.Validate(usd.Stage.Open(str(tmp_path / name)))] == []
+    vog.export_splats(model, tmp_path / "m.usda", extinction=0.5)
+    context = validation.ValidationContext(validation.ValidationRegistry().GetOrLoadAllValidators())
+    assert [str(e.GetErrorAsString()) for e in context.Validate(usd.Stage.Open(str(tmp_path / "m.usda")))] == []
 
 
 def spz_package():

@@ -229,10 +229,21 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
     return {report_page(arguments, entries, report, stages), report.extinction, options.quantity};
 }
 
+/// throws  vog::Error for OpenUSD's binary layers
+void refuse_binary_usd(const std::string& output) {
+    const std::string extension = extension_of(output);
+    if (extension != ".usdc" && extension != ".usd") return;
+    const std::string text = std::filesystem::path(output).replace_extension(".usda").string();
+    throw Error(
+        fmt::format("{}: OpenUSD is written as text: vog export -o {}, then usdcat {} -o {}",
+                    output, text, text, output));
+}
+
 /// Writes one page or one PLY.
 Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
+    refuse_binary_usd(arguments.output);
     check_output(arguments.output, arguments.inputs,
-                 {".html", ".ply", ".vogz", ".spz", ".glb", ".usda", ".usdc"});
+                 {".html", ".ply", ".vogz", ".spz", ".glb", ".usda"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     require_effects(command, facts_of(arguments, kind));
     const bool page = extension_of(arguments.output) == ".html";
@@ -411,7 +422,7 @@ void add_export(CLI::App& app) {
         ->add_option(
             "-o,--output", arguments->output,
             "Page (.html), compact model (.vogz), model (.ply) or splats (.spz, .glb, .usda, "
-            ".usdc, .ply with --as) to write. A folder (or a "
+            ".ply with --as) to write. A folder (or a "
             "name that ends in /): of one input a site, a page that loads parts of the model as "
             "views need them from any web server; of several inputs "
             "one page per input, all under one camera and one extinction, or with --site one site")

@@ -316,7 +316,9 @@ std::string advice_on(const std::string& file) {
         return "a mesh of triangles, not a volume: vdb_tool or Blender's Mesh to Volume makes it a "
                ".vdb";
     if (extension == ".usdz")
-        return "a package of OpenUSD: unzip it; vog reads splats of the .usda or .usdc in it";
+        return "a package of OpenUSD: unzip it; vog reads the splats of a .usda, which usdcat "
+               "makes of "
+               "a .usdc";
     if (extension == ".mp4" || extension == ".webm") return "a film: open it in a player";
     if (extension == ".json") {
         const nlohmann::json json = json_of(file);

@@ -91,7 +91,7 @@ void add_splat_options(CLI::App& command, SplatArguments& arguments) {
 bool is_splat_output(const std::string& output, const SplatArguments& arguments) {
     const std::string extension = extension_of(output);
     return extension == ".spz" || extension == ".glb" || extension == ".usda" ||
-           extension == ".usdc" || (extension == ".ply" && arguments.layout != "vog");
+           (extension == ".ply" && arguments.layout != "vog");
 }
 
 Json write_exchange(const std::string& output, Gaussians model, const SplatArguments& arguments,

@@ -11,7 +11,7 @@
 
 namespace vog::cli {
 
-inline constexpr const char* kSplatGroup = "Splats (.ply, .spz, .glb, .usda, .usdc)";
+inline constexpr const char* kSplatGroup = "Splats (.ply, .spz, .glb, .usda)";
 
 struct SplatArguments {
     std::string layout = "vog";  ///< of a .ply: vog, 3dgs or volprim

@@ -25,8 +25,8 @@ struct Row {
 };
 
 constexpr const char* kPages = ".html site";
-constexpr const char* kSplats = ".spz .glb .usda .usdc 3dgs";
-constexpr const char* kSplatsAndPages = ".html site .spz .glb .usda .usdc 3dgs";
+constexpr const char* kSplats = ".spz .glb .usda 3dgs";
+constexpr const char* kSplatsAndPages = ".html site .spz .glb .usda 3dgs";
 constexpr const char* kModels = ".ply .vogz models/";
 constexpr const char* kByMoments = "[Conversion by moments (--method moments)]";
 constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
@@ -60,7 +60,7 @@ const std::vector<Row> kRows = {
     {"export", "--units", "output", kSplats},
     {"export", "--levels", "output", ".html"},
     {"export", "--memory --scratch", "output", "site"},
-    {"export", "--extinction", "output", ".html site .spz .glb .usda .usdc 3dgs volprim"},
+    {"export", "--extinction", "output", ".html site .spz .glb .usda 3dgs volprim"},
     {"export", "--tf --field", "output", kSplatsAndPages},
     {"export", "--no-fields", "output", ".html site .vogz .ply"},
     {"export", "--no-fields", "input", "volumes models compact-models"},

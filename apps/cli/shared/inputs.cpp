@@ -84,7 +84,7 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
         ".mhd, .raw, .tif or .fits (volume), .hdf5, .xyz, .extxyz, .pts, .asc, .csv, .tsv, .dat or "
         ".txt (particles), .ply, .vogz or .json (model, index of models), .spz, .glb, .usda, "
-        ".usdc or .usd (splats)",
+        "or .usd (splats)",
         file, extension));
 }
 

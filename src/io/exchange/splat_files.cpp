@@ -9,6 +9,7 @@
 
 #include "core/atomic_file.h"
 #include "io/exchange/splat_frame.h"
+#include "io/exchange/splat_models.h"
 #include "io/file_extension.h"
 #include "vog/error.h"
 
@@ -85,12 +86,13 @@ void write_splats(const std::filesystem::path& file, const Splats& splats, Vec3d
         : extension == ".spz"  ? write_spz
         : extension == ".glb"  ? write_glb
         : extension == ".usda" ? write_usda
-        : extension == ".usdc" ? write_usdc
                                : nullptr;
+    if (extension == ".usdc" || extension == ".usd")
+        throw Error(fmt::format("{}: OpenUSD is written as text, expected {}; then usdcat {} -o {}",
+                                file.string(), text_layer(file), text_layer(file), file.string()));
     if (!write)
-        throw Error(
-            fmt::format("{}: extension '{}', expected .ply, .spz, .glb, .usda or .usdc (splats)",
-                        file.string(), extension));
+        throw Error(fmt::format("{}: extension '{}', expected .ply, .spz, .glb or .usda (splats)",
+                                file.string(), extension));
     constexpr std::size_t kMostGlb = (std::uint64_t{1} << 32) / 64;  // lengths of 32 bits
     if (extension == ".glb" && splats.size() > kMostGlb)
         throw Error(fmt::format("{}: {} splats, expected at most {}", file.string(), splats.size(),

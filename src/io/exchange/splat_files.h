@@ -20,9 +20,5 @@ void check_spz(const Splats& splats, const std::string& where);
 void write_spz(std::ofstream& out, const Splats& splats, const std::string& frame);
 void write_glb(std::ofstream& out, const Splats& splats, const std::string& frame);
 void write_usda(std::ofstream& out, const Splats& splats, const std::string& frame);
-void write_usdc(std::ofstream& out, const Splats& splats, const std::string& frame);
-
-/// Box of balls of 3 of the largest standard deviation around splats.
-Box splat_extent(const Splats& splats);
 
 }  // namespace vog::exchange

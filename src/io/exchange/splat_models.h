@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "io/exchange/finite_splats.h"
 #include "vog/gaussians.h"
@@ -17,5 +18,7 @@ Gaussians read_splats(const std::filesystem::path& file, const SplatRules& rules
 Gaussians read_spz(const std::filesystem::path& file);
 Gaussians read_glb(const std::filesystem::path& file);
 Gaussians read_usd(const std::filesystem::path& file);
+/// Name of the layer of text that usdcat makes of a layer of OpenUSD: .usda.
+std::string text_layer(std::filesystem::path file);
 
 }  // namespace vog::exchange

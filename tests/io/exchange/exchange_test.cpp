@@ -268,8 +268,14 @@ TEST(exchange, refusals) {
               "3 colours, expected 200");
     EXPECT_NE(refusal([&] {
                   write_splats(dir / "m.splat", splats_of(model, {}));
-              }).find("expected .ply, .spz, .glb, .usda or .usdc"),
+              }).find("expected .ply, .spz, .glb or .usda"),
               std::string::npos);
+    for (const char* name : {"m.usdc", "m.usd"}) {
+        const std::string message =
+            refusal([&] { write_splats(dir / name, splats_of(model, {})); });
+        EXPECT_TRUE(message.ends_with(std::string("m.usda -o ") + (dir / name).string()))
+            << message;
+    }
     EXPECT_NE(refusal([&] {
                   write_splats(dir / "m.spz", Splats{});
               }).find("no splats, expected at least one"),

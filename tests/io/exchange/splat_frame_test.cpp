@@ -18,7 +18,7 @@ namespace vog::test {
 
 namespace {
 
-constexpr const char* kFiles[] = {"m.ply", "m.spz", "m.glb", "m.usda", "m.usdc"};
+constexpr const char* kFiles[] = {"m.ply", "m.spz", "m.glb", "m.usda"};
 
 std::string bytes_of(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
@@ -36,7 +36,7 @@ void copy_changed(const std::filesystem::path& file, const std::filesystem::path
 
 /// A file as programs see it that do not know vog's statement of the frame.
 Gaussians read_as_stored(const std::filesystem::path& file) {
-    const bool usd = file.extension() == ".usda" || file.extension() == ".usdc";
+    const bool usd = file.extension() == ".usda";
     const std::filesystem::path copy = file.parent_path() / ("other" + file.extension().string());
     copy_changed(file, copy, usd ? "vog:frame" : "vog_frame", usd ? "xyz:frame" : "xyz_frame");
     return read_model(copy);

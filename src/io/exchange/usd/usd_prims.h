@@ -1,4 +1,4 @@
-// usd_prims.h: prims of one OpenUSD layer, of text and of crates alike, with the attributes of splats.
+// usd_prims.h: prims of one OpenUSD layer of text, with the attributes of splats.
 // Source: OpenUSD 26.x, schema ParticleField3DGaussianSplat of usdVol.
 #pragma once
 
@@ -45,9 +45,8 @@ struct Prim {
 /// Takes an attribute's numbers. Float32 goes before half floats.
 void set_numbers(Prim& prim, AttributeName name, std::vector<float> numbers);
 
-/// Prims of a layer as text, `#usda 1.0`, or as a crate, `PXR-USDC` of versions 0.7 to 0.13.
+/// Prims of a layer as text, `#usda 1.0`.
 /// throws  vog::Error naming `file` for other versions, truncated or corrupt files
 std::vector<Prim> read_text(FileBytes& in, const std::string& file);
-std::vector<Prim> read_crate(FileBytes& in, const std::string& file);
 
 }  // namespace vog::exchange::usd

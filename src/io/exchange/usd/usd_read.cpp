@@ -1,4 +1,4 @@
-// usd_read.cpp: Gaussians of the splats of an OpenUSD layer, .usda, .usdc, and .usd of either kind.
+// usd_read.cpp: Gaussians of the splats of an OpenUSD layer of text, .usda or .usd.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -87,17 +87,22 @@ void add_splats(const Prim& prim, Gaussians& model) {
 
 }  // namespace usd
 
+std::string text_layer(std::filesystem::path file) {
+    return file.replace_extension(".usda").string();
+}
+
 Gaussians read_usd(const std::filesystem::path& file) {
     FileBytes in(file);
     constexpr std::string_view kText = "#usda ", kCrate = "PXR-USDC";
     const std::string head(in.take(std::min<std::uint64_t>(in.size(), kCrate.size())),
                            std::min<std::uint64_t>(in.size(), kCrate.size()));
     in.seek(0);
-    if (!head.starts_with(kText) && head != kCrate)
-        throw Error(fmt::format("{}: not a layer of OpenUSD ('#usda 1.0', or a crate 'PXR-USDC')",
-                                file.string()));
-    const std::vector<usd::Prim> prims =
-        head == kCrate ? usd::read_crate(in, file.string()) : usd::read_text(in, file.string());
+    if (head == kCrate)
+        throw Error(fmt::format("{}: OpenUSD's binary layer, expected one of text: usdcat {} -o {}",
+                                file.string(), file.string(), text_layer(file)));
+    if (!head.starts_with(kText))
+        throw Error(fmt::format("{}: not a layer of OpenUSD as text ('#usda 1.0')", file.string()));
+    const std::vector<usd::Prim> prims = usd::read_text(in, file.string());
     Gaussians model;
     for (std::size_t n = 0; n < prims.size(); ++n) try {
             if (!prims[n].splats || !usd::drawn(prims, n)) continue;

@@ -24,8 +24,7 @@ void put_array(std::ofstream& out, const char* name, std::size_t count, const On
     out << text << "]\n";
 }
 
-}  // namespace
-
+/// Box of balls of 3 of the largest standard deviation around splats.
 Box splat_extent(const Splats& splats) {
     Box box;
     for (std::size_t i = 0; i < splats.size(); ++i) {
@@ -37,6 +36,8 @@ Box splat_extent(const Splats& splats) {
     }
     return box;
 }
+
+}  // namespace
 
 void write_usda(std::ofstream& out, const Splats& splats, const std::string& frame) {
     const std::size_t count = splats.size();
