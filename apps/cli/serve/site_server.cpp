@@ -1,4 +1,4 @@
-// site_server.cpp: responses, threads and signals of the server, on cpp-httplib.
+// site_server.cpp: responses and end of the server, by the public interface of cpp-httplib.
 #include "serve/site_server.h"
 
 #include "vog/error.h"
@@ -7,328 +7,219 @@
 
 #include <fmt/format.h>
 #include <httplib.h>
-#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
-#include <mutex>
-#include <thread>
-
-#include "serve/connection.h"
-#include "serve/listening_socket.h"
-#include "serve/request_head.h"
+#include <cstdlib>
+#include <future>
+#include <regex>
+#include <utility>
 
 namespace vog::cli {
 
 namespace {
 
+using std::chrono::milliseconds;
+
+constexpr int kNextPorts = 20;  // tried after the first
 // Browsers open six connections to a server. A thread waits for the network or the disk nearly always.
-constexpr std::size_t kThreads = 32;
-constexpr int kLargestQueue =
-    64;  // connections that wait for a thread; further ones wait in the system
-constexpr int kRequestsPerClient = 1000;  // on one connection
+constexpr std::size_t kThreads = 64;
+// Until a silent connection leaves its thread to another; browsers open the next one as they need it.
+constexpr int kIdleSeconds = 2;
+constexpr std::size_t kLargestBody = 8192;  // read before its refusal, bytes
 
-/// Threads with a queue that ends.
-class BoundedThreads : public httplib::ThreadPool {
-  public:
-    explicit BoundedThreads(ServerState& state) : httplib::ThreadPool(kThreads), state_(state) {}
+volatile std::sig_atomic_t ending = 0;  // set by a signal
 
-    /// Waits while the queue is full.
-    void enqueue(std::function<void()> serve) override {
-        while (state_.waiting >= kLargestQueue && !state_.ending)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        ++state_.waiting;
-        httplib::ThreadPool::enqueue([this, serve = std::move(serve)] {
-            --state_.waiting;
-            serve();
-        });
-    }
+/// Has signals end the server. Those that the parent has made us ignore, such as nohup's, stay ignored.
+void end_at_signals() {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP})
+        if (std::signal(number, [](int) { ending = 1; }) == SIG_IGN)
+            (void)std::signal(number, SIG_IGN);
+}
 
-  private:
-    ServerState& state_;
-};
-
-/// A checked head, then the connection: what the library reads and writes. It is given the fields that
-/// the answers need and no others: it would read bodies and heads of any size.
-class CheckedStream : public httplib::Stream {
-  public:
-    CheckedStream(Connection& connection, const RequestHead& head) : connection_(connection) {
-        text_ = fmt::format("{} {} HTTP/1.1\r\n", head.method, head.path);
-        for (const char* name : {"range", "if-none-match", "if-range"})
-            if (const auto field = head.fields.find(name); field != head.fields.end())
-                // Other ranges are answered by the whole file; the library would refuse them.
-                if (field->first != "range" ||
-                    requested_range(field->second, UINT64_MAX).kind != RangeRequest::Kind::whole)
-                    text_ += fmt::format("{}: {}\r\n", name, field->second);
-        text_ += "\r\n";
-    }
-
-    bool is_readable() const override { return read_ < text_.size(); }
-    bool is_writable() const override { return true; }
-    ssize_t read(char* to, std::size_t size) override {
-        size = text_.copy(to, size, read_);
-        read_ += size;
-        return static_cast<ssize_t>(size);
-    }
-    ssize_t write(const char* from, std::size_t size) override {
-        return connection_.send({from, size}) ? static_cast<ssize_t>(size) : -1;
-    }
-    // The answers depend on no address.
-    void get_remote_ip_and_port(std::string& address, int& port) const override {
-        address.clear(), port = 0;
-    }
-    void get_local_ip_and_port(std::string& address, int& port) const override {
-        address.clear(), port = 0;
-    }
-    socket_t socket() const override { return connection_.descriptor(); }
-
-  private:
-    Connection& connection_;
-    std::string text_;
-    std::size_t read_ = 0;
-};
+/// Whether a Host field names this machine's loopback, with any port, as tunnels have others. Pages of
+/// another name are thus refused even if their name server gives it this address (DNS rebinding).
+bool is_loopback(const std::string& host) {
+    static const std::regex names(R"((localhost|127\.\d+\.\d+\.\d+|\[::1\])(:\d*)?)",
+                                  std::regex::icase);
+    return std::regex_match(host, names);
+}
 
 /// Sends a part of a file in pieces.
 httplib::ContentProvider provider_of(const SiteFile& file, std::uint64_t first) {
     return [file, first](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
         std::array<char, 1 << 16> buffer;
         const ssize_t count =
-            ::pread(file.file->descriptor(), buffer.data(), std::min(length, buffer.size()),
+            ::pread(::fileno(file.file.get()), buffer.data(), std::min(length, buffer.size()),
                     static_cast<off_t>(first + offset));
         // A file that has become shorter: the response stays incomplete, which its length shows.
         return count > 0 && sink.write(buffer.data(), static_cast<std::size_t>(count));
     };
 }
 
-class SiteServer : public httplib::Server {
-  public:
-    SiteServer(const SiteFolder& folder, const ServerOptions& options,
-               const ListeningSocket& socket)
-        : folder_(folder), options_(options), socket_(socket) {
-        svr_sock_ = socket.descriptor;
-        new_task_queue = [this] { return new BoundedThreads(state_); };
-        set_keep_alive_timeout(limits_.idle.count() / 1000);
-        set_keep_alive_max_count(kRequestsPerClient);
-        set_pre_routing_handler(
-            [this](const httplib::Request& request, httplib::Response& response) {
-                answer(request, response);
-                return HandlerResponse::Handled;
+/// The whole file, or the one range that is requested.
+/// ranges  first and last byte of each; -1: not given
+void send_file(const SiteFile& file, const httplib::Ranges& ranges, httplib::Response& response) {
+    const auto size = static_cast<std::int64_t>(file.size);
+    std::int64_t first = 0, end = size;
+    response.status = 200;
+    if (ranges.size() == 1) {
+        const auto [from, to] = ranges.front();
+        first = from >= 0 ? from : std::max<std::int64_t>(0, size - to);
+        if (from >= 0 && to >= 0) end = std::min<std::int64_t>(to, size - 1) + 1;
+        response.status = first < end ? 206 : 416;
+        response.set_header("Content-Range",
+                            first < end ? fmt::format("bytes {}-{}/{}", first, end - 1, size)
+                                        : fmt::format("bytes */{}", size));
+    }
+    if (first < end)
+        response.set_content_provider(static_cast<std::size_t>(end - first), file.type,
+                                      provider_of(file, static_cast<std::uint64_t>(first)));
+    else
+        response.set_header("Content-Type", file.type);
+}
+
+/// Answers a GET or HEAD request for a file.
+void answer(const SiteFolder& folder, const httplib::Request& request, httplib::Ranges ranges,
+            httplib::Response& response) {
+    const std::optional<SiteFile> file = folder.open(request.path);
+    response.set_header("Cache-Control", file && file->immutable
+                                             ? "public, max-age=31536000, immutable"
+                                             : "no-cache");
+    if (!file) {
+        response.status = 404;
+        response.set_content("no such file\n", "text/plain; charset=utf-8");
+        return;
+    }
+    response.set_header("ETag", file->tag);
+    response.set_header("Accept-Ranges", "bytes");
+    if (request.get_header_value("If-None-Match").find(file->tag) != std::string::npos) {
+        response.status = 304;
+        response.set_header("Content-Length", std::to_string(file->size));
+        return;
+    }
+    // A range of other content than the client has begun with is answered by the whole.
+    if (request.has_header("If-Range") && request.get_header_value("If-Range") != file->tag)
+        ranges.clear();
+    send_file(*file, ranges, response);
+}
+
+/// Permission for pages of another origin, which they request before a range.
+void answer_preflight(httplib::Response& response) {
+    response.status = 200;
+    response.set_header("Access-Control-Allow-Methods", "GET, HEAD");
+    response.set_header("Access-Control-Allow-Headers", "Range, If-None-Match, If-Range");
+    // Required by Chromium for pages of the internet that read from this machine.
+    response.set_header("Access-Control-Allow-Private-Network", "true");
+}
+
+/// Sets limits and answers of a server.
+/// loopback  reached from this machine alone
+void set_up(httplib::Server& server, const SiteFolder& folder, const ServerOptions& options,
+            bool loopback) {
+    server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    server.set_keep_alive_timeout(kIdleSeconds).set_keep_alive_max_count(1000);
+    server.set_payload_max_length(kLargestBody);
+    // Head and body of a response are two sends: without this the second waits 40 ms for the client.
+    server.set_tcp_nodelay(true);
+    // The library's own options let a second server listen at the same port.
+    server.set_socket_options([](socket_t socket) {
+        const int yes = 1;
+        (void)::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
+    const bool open = !options.allow_origin.empty();
+    httplib::Headers headers = {
+        {"X-Content-Type-Options", "nosniff"},
+        {"Cross-Origin-Resource-Policy", open ? "cross-origin" : "same-origin"}};
+    if (open) {
+        headers.emplace("Access-Control-Allow-Origin", options.allow_origin);
+        headers.emplace("Access-Control-Expose-Headers", "Content-Range, ETag");
+    }
+    server.set_default_headers(std::move(headers));
+    server.set_pre_routing_handler([&folder, open, loopback](const httplib::Request& request,
+                                                             httplib::Response& response) {
+        const bool preflight = open && request.method == "OPTIONS";
+        // Bodies of other methods are read by the library, before it finds no handler.
+        if (request.method != "GET" && request.method != "HEAD" && !preflight)
+            return httplib::Server::HandlerResponse::Unhandled;
+        // Ranges are of send_file(): cpp-httplib 0.11 applies them to refusals as well, and gives those that
+        // end beyond the file a wrong length.
+        httplib::Ranges ranges =
+            std::exchange(const_cast<httplib::Request&>(request).ranges, httplib::Ranges{});
+        if (loopback && (request.get_header_value_count("Host") != 1 ||
+                         !is_loopback(request.get_header_value("Host")))) {
+            response.status = 403;
+            response.set_content("expected a Host of this machine, as localhost\n", "text/plain");
+        } else if (preflight) {
+            answer_preflight(response);
+        } else {
+            answer(folder, request, std::move(ranges), response);
+        }
+        return httplib::Server::HandlerResponse::Handled;
+    });
+    server.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
+        if (response.status != 404 || request.method == "GET" || request.method == "HEAD") return;
+        response.status = 405;
+        response.set_header("Allow", "GET, HEAD");
+    });
+    if (options.on_request)
+        server.set_logger(
+            [&options](const httplib::Request& request, const httplib::Response& response) {
+                options.on_request(
+                    fmt::format("{} {} {}", response.status, request.method, request.target));
             });
-        set_logger([this](const httplib::Request& request, const httplib::Response& response) {
-            log(request.method, request.target, response.status);
-        });
+}
+
+/// Listens at the port that was requested, or at the next free one.
+/// returns  the port
+int bind(httplib::Server& server, const ServerOptions& options) {
+    errno = 0;
+    for (int n = 0; !options.host.empty(); ++n) {
+        const int wanted = options.port + n;
+        const bool any = options.port == 0 || n > kNextPorts || wanted > 65535;
+        const int port = any ? server.bind_to_any_port(options.host)
+                         : server.bind_to_port(options.host, wanted) ? wanted
+                                                                     : -1;
+        if (port > 0) return port;
+        if (any || !options.next_port || errno != EADDRINUSE) break;
     }
-
-    /// Ends run(). From another thread.
-    void end() {
-        state_.ending = true;
-        while (!is_running() && !ended_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        stop();
-    }
-
-    /// Accepts connections until end().
-    /// returns  whether no failure ended it
-    bool run() {
-        const bool well = listen_after_bind();
-        ended_ = true;
-        return well || state_.ending;
-    }
-
-  private:
-    bool process_and_close_socket(socket_t socket) override {
-        Connection connection(socket, state_, limits_);
-        try {
-            int left = kRequestsPerClient;
-            while (answer_next(connection, --left == 0)) {
-            }
-            connection.finish();
-        } catch (const std::exception& error) {
-            // As where memory is short: this client loses its connection, others are served.
-            log("closed", error.what(), 500);
-        }
-        return true;
-    }
-
-    /// returns  whether another request may follow
-    bool answer_next(Connection& connection, bool last) {
-        std::string text;
-        const Connection::Arrival arrival = connection.receive_head(text);
-        if (arrival == Connection::Arrival::closed) return false;
-        connection.begin_response();
-        RequestHead head;
-        if (arrival == Connection::Arrival::late)
-            head.status = 408, head.reason = "the request did not arrive in time";
-        else if (arrival == Connection::Arrival::large)
-            head.status = 431, head.reason = "the request's head is too large";
-        else
-            head = parse_request_head(text, !options_.allow_origin.empty());
-        if (head.status == 200 && socket_.loopback &&
-            !is_loopback_host(head.fields["host"], options_.host))
-            head.status = 403, head.reason = "expected a Host of this machine, as localhost";
-        if (head.status != 200) {
-            refuse(connection, head);
-            return false;
-        }
-        CheckedStream stream(connection, head);
-        const bool close = last || !head.keeps_open;
-        bool closed = false;
-        // Ranges are of send_file(): the library gives those beyond the file a wrong length.
-        const auto setup = [](httplib::Request& request) { request.ranges.clear(); };
-        return process_request(stream, close, closed, setup) && !close;
-    }
-
-    /// Sends a refusal, after which the connection is closed.
-    void refuse(Connection& connection, const RequestHead& head) {
-        static const std::map<int, const char*> names = {{400, "Bad Request"},
-                                                         {403, "Forbidden"},
-                                                         {405, "Method Not Allowed"},
-                                                         {408, "Request Timeout"},
-                                                         {413, "Content Too Large"},
-                                                         {414, "URI Too Long"},
-                                                         {431, "Request Header Fields Too Large"},
-                                                         {505, "HTTP Version Not Supported"}};
-        (void)connection.send(fmt::format(
-            "HTTP/1.1 {} {}\r\n{}Content-Type: text/plain; charset=utf-8\r\n"
-            "X-Content-Type-Options: nosniff\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{}",
-            head.status, names.at(head.status), head.status == 405 ? "Allow: GET, HEAD\r\n" : "",
-            head.reason.size() + 1, head.method == "HEAD" ? "" : head.reason + "\n"));
-        log("refused", head.reason, head.status);
-    }
-
-    void answer(const httplib::Request& request, httplib::Response& response) const {
-        const bool open = !options_.allow_origin.empty();
-        response.set_header("X-Content-Type-Options", "nosniff");
-        response.set_header("Cross-Origin-Resource-Policy", open ? "cross-origin" : "same-origin");
-        if (open) {
-            response.set_header("Access-Control-Allow-Origin", options_.allow_origin);
-            response.set_header("Access-Control-Expose-Headers", "Content-Range, ETag");
-        }
-        if (request.method == "OPTIONS") {
-            response.status = 200;
-            response.set_header("Access-Control-Allow-Methods", "GET, HEAD");
-            response.set_header("Access-Control-Allow-Headers", "Range, If-None-Match, If-Range");
-            // Asked by Chromium for pages of the internet that read from this machine.
-            response.set_header("Access-Control-Allow-Private-Network", "true");
-            return;
-        }
-        const std::optional<SiteFile> file = folder_.open(request.target);
-        if (!file) {
-            response.status = 404;
-            response.set_header("Cache-Control", "no-cache");
-            response.set_content("no such file\n", "text/plain; charset=utf-8");
-            return;
-        }
-        response.set_header("Cache-Control",
-                            file->immutable ? "public, max-age=31536000, immutable" : "no-cache");
-        response.set_header("ETag", file->tag);
-        response.set_header("Accept-Ranges", "bytes");
-        if (request.get_header_value("If-None-Match").find(file->tag) != std::string::npos) {
-            response.status = 304;
-            response.set_header("Content-Length", std::to_string(file->size));
-            return;
-        }
-        send_file(*file, request, response);
-    }
-
-    /// The whole file, or the part that is asked for.
-    static void send_file(const SiteFile& file, const httplib::Request& request,
-                          httplib::Response& response) {
-        RangeRequest range;
-        // A range of other content than the client has begun with is answered by the whole.
-        if (!request.has_header("If-Range") || request.get_header_value("If-Range") == file.tag)
-            range = requested_range(request.get_header_value("Range"), file.size);
-        if (range.kind == RangeRequest::Kind::beyond) {
-            response.status = 416;
-            response.set_header("Content-Range", fmt::format("bytes */{}", file.size));
-            return;
-        }
-        const bool part = range.kind == RangeRequest::Kind::part;
-        if (!part) range.count = file.size;
-        response.status = part ? 206 : 200;
-        if (part)
-            response.set_header("Content-Range",
-                                fmt::format("bytes {}-{}/{}", range.first,
-                                            range.first + range.count - 1, file.size));
-        if (range.count == 0)
-            response.set_header("Content-Type", file.type);
-        else
-            response.set_content_provider(range.count, file.type, provider_of(file, range.first));
-    }
-
-    void log(const std::string& method, const std::string& text, int status) const {
-        if (!options_.on_request) return;
-        const std::lock_guard lock(log_mutex_);
-        options_.on_request(fmt::format("{} {} {}", status, method, text));
-    }
-
-    const SiteFolder& folder_;
-    const ServerOptions& options_;
-    const ListeningSocket& socket_;
-    const TimeLimits limits_;
-    ServerState state_;
-    std::atomic<bool> ended_ = false;
-    mutable std::mutex log_mutex_;
-};
-
-/// Signals that end a server, held back from every thread until sigwait() takes one. Those that the
-/// parent has made us ignore, such as nohup's, stay ignored.
-class HeldSignals {
-  public:
-    HeldSignals() {
-        ::sigemptyset(&set_);
-        ::sigaddset(&set_, SIGTERM);
-        for (const int number : {SIGINT, SIGHUP}) {
-            struct sigaction action {};
-            if (::sigaction(number, nullptr, &action) == 0 && action.sa_handler != SIG_IGN)
-                ::sigaddset(&set_, number);
-        }
-        ::pthread_sigmask(SIG_BLOCK, &set_, &before_);
-    }
-    ~HeldSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-    void wait() const {
-        int number = 0;
-        (void)::sigwait(&set_, &number);
-    }
-
-  private:
-    sigset_t set_{}, before_{};
-};
-
-/// Ends a server at the first signal.
-class SignalThread {
-  public:
-    SignalThread(const HeldSignals& signals, SiteServer& server)
-        : thread_([&] {
-              signals.wait();
-              server.end();
-          }) {}
-    /// Signals the thread itself, where the server has ended otherwise.
-    ~SignalThread() {
-        (void)::pthread_kill(thread_.native_handle(), SIGTERM);
-        thread_.join();
-    }
-    SignalThread(const SignalThread&) = delete;
-    SignalThread& operator=(const SignalThread&) = delete;
-
-  private:
-    std::thread thread_;
-};
+    const std::string where = fmt::format("--host {} --port {}", options.host, options.port);
+    if (errno == EADDRINUSE)
+        throw Error(fmt::format("{}: the port is in use, expected a free one (0: any)", where));
+    if (errno == EACCES)
+        throw Error(fmt::format("{}: no permission, expected a port from 1024 on (0: any)", where));
+    throw Error(fmt::format("{}: expected an address of this machine, as 127.0.0.1", where));
+}
 
 }  // namespace
 
 void serve_files(const SiteFolder& folder, const ServerOptions& options) {
-    const HeldSignals signals;
-    if (options.prepare) options.prepare();
-    const ListeningSocket socket = listen_at(options.host, options.port, options.next_port);
-    SiteServer server(folder, options, socket);
-    if (options.on_listening)
-        options.on_listening(fmt::format("http://{}/{}", socket.authority, folder.start()),
-                             socket.port, socket.loopback);
-    const SignalThread ending(signals, server);
-    if (!server.run())
-        throw Error(fmt::format("{}: the system accepts no more connections", socket.authority));
+    std::string name = options.host;
+    if (name.find(':') != name.npos) name = fmt::format("[{}]", name);
+    const bool loopback = is_loopback(name);
+    httplib::Server server;
+    set_up(server, folder, options, loopback);
+    const int port = bind(server, options);
+    // All addresses: other machines know this one by its name.
+    std::array<char, 256> own{};
+    if ((name == "0.0.0.0" || name == "[::]") && ::gethostname(own.data(), own.size() - 1) == 0)
+        name = own.data();
+    end_at_signals();
+    options.on_listening(fmt::format("http://{}:{}/{}", name, port, folder.start()), port,
+                         loopback);
+    std::future<bool> run =
+        std::async(std::launch::async, [&server] { return server.listen_after_bind(); });
+    while (run.wait_for(milliseconds(50)) == std::future_status::timeout &&
+           !(ending && server.is_running())) {
+    }
+    if (!ending)
+        throw Error(fmt::format("{}:{}: the system accepts no more connections", name, port));
+    server.stop();
+    // Connections may keep their threads for some seconds more.
+    if (run.wait_for(milliseconds(500)) == std::future_status::timeout) std::_Exit(0);
 }
 
 }  // namespace vog::cli

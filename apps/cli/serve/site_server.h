@@ -14,16 +14,14 @@ struct ServerOptions {
     bool next_port = false;          ///< a port in use is replaced by the next free one
     std::string allow_origin;        ///< origin whose pages may read the files, or *; empty: none
 
-    /// Called first, while signals that end the server are held back: threads that start here leave them to it. Null: none.
-    std::function<void()> prepare;
     /// The server accepts connections: its URL, port, and whether this machine alone reaches it.
     std::function<void(const std::string& url, int port, bool loopback)> on_listening;
-    /// One line a request; null: none. Called from several threads, one at a time.
+    /// One line a request, from several threads; null: none.
     std::function<void(const std::string& line)> on_request;
 };
 
 /// Answers GET and HEAD requests until SIGINT, SIGTERM or SIGHUP, which end it well: connections get
-/// half a second. Paths, heads, times and connections have limits (docs/streaming.md).
+/// half a second, then the process ends (docs/streaming.md).
 /// throws  vog::Error where it cannot listen, and where the build has no HTTP library
 void serve_files(const SiteFolder& folder, const ServerOptions& options);
 
