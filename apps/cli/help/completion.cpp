@@ -27,19 +27,6 @@ bool takes_file(const CLI::Option& option) {
 }
 bool takes_value(const CLI::Option& option) { return option.get_expected_max() > 0; }
 
-/// "--output" and "-o" of one option.
-std::vector<std::string> spellings(const CLI::Option& option) {
-    std::vector<std::string> names;
-    for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option.get_snames()) names.push_back("-" + name);
-    return names;
-}
-std::vector<std::string> option_words(const CLI::App& command) {
-    std::vector<std::string> words;
-    for (const CLI::Option* option : named_options(command))
-        for (const std::string& name : spellings(*option)) words.push_back(name);
-    return words;
-}
 /// Words that the arguments of a command take, such as the shells of vog completion.
 std::vector<std::string> argument_words(const CLI::App& command) {
     for (const CLI::Option* option :
@@ -48,12 +35,6 @@ std::vector<std::string> argument_words(const CLI::App& command) {
             return words;
     return {};
 }
-std::vector<std::string> command_words(const CLI::App& app) {
-    std::vector<std::string> words;
-    for (const CLI::App* command : commands_of(app)) words.push_back(command->get_name());
-    return words;
-}
-
 std::string replaced(std::string text, const std::string& letter, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(letter, at)) != text.npos; at += by.size())
         text.replace(at, letter.size(), by);

@@ -141,4 +141,24 @@ std::vector<const CLI::Option*> named_options(const CLI::App& command) {
     });
 }
 
+std::vector<std::string> command_words(const CLI::App& app) {
+    std::vector<std::string> words;
+    for (const CLI::App* command : commands_of(app)) words.push_back(command->get_name());
+    return words;
+}
+
+std::vector<std::string> spellings(const CLI::Option& option) {
+    std::vector<std::string> names;
+    for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+    return names;
+}
+
+std::vector<std::string> option_words(const CLI::App& command) {
+    std::vector<std::string> words;
+    for (const CLI::Option* option : named_options(command))
+        for (const std::string& name : spellings(*option)) words.push_back(name);
+    return words;
+}
+
 }  // namespace vog::cli

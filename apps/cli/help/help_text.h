@@ -26,7 +26,15 @@ std::vector<std::string> choices_of(const CLI::Option& option);
 /// Commands of a program in the order in which they were added.
 std::vector<const CLI::App*> commands_of(const CLI::App& app);
 
+/// Their names.
+std::vector<std::string> command_words(const CLI::App& app);
+
 /// Options of a command that have a name with dashes, in order, --help and --help-all included.
 std::vector<const CLI::Option*> named_options(const CLI::App& command);
+
+/// Names of an option with their dashes: "--output", "-o".
+std::vector<std::string> spellings(const CLI::Option& option);
+/// Those of all options of a command.
+std::vector<std::string> option_words(const CLI::App& command);
 
 }  // namespace vog::cli

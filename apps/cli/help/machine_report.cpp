@@ -107,24 +107,6 @@ void try_renderer(Renderer renderer) {
 struct OptionalLibrary {
     const char *name, *purpose, *version;  ///< version empty: not in this build
 };
-#ifndef VOG_WITH_TIFF
-#define VOG_WITH_TIFF ""
-#endif
-#ifndef VOG_WITH_CFITSIO
-#define VOG_WITH_CFITSIO ""
-#endif
-#ifndef VOG_WITH_HDF5
-#define VOG_WITH_HDF5 ""
-#endif
-#ifndef VOG_WITH_OPENVDB
-#define VOG_WITH_OPENVDB "yes"
-#endif
-#ifndef VOG_WITH_HTTPLIB
-#define VOG_WITH_HTTPLIB ""
-#endif
-#ifndef VOG_WITH_VIEWER
-#define VOG_WITH_VIEWER ""
-#endif
 constexpr OptionalLibrary kLibraries[] = {
     {"OpenVDB", ".vdb and .nvdb", VOG_WITH_OPENVDB},
     {"Embree", "ray tracing on the processor", VOG_WITH_EMBREE},
@@ -153,9 +135,14 @@ std::string display() {
     return {};
 }
 
+std::string text_of(const ReportJson& value) { return value.get<std::string>(); }
+std::string words_of(const ReportJson& list) {
+    return fmt::format("{}", fmt::join(list.get<std::vector<std::string>>(), " "));
+}
+std::string bytes_of(const ReportJson& value) { return bytes_text(value.get<std::uint64_t>()); }
+
 std::string yes_or_no(const ReportJson& part) {
-    return part["found"] ? part["name"].get<std::string>()
-                         : "no: " + part["reason"].get<std::string>();
+    return part["found"] ? text_of(part["name"]) : "no: " + text_of(part["reason"]);
 }
 
 }  // namespace
@@ -207,41 +194,37 @@ std::string machine_text(const ReportJson& report) {
         text += fmt::format("{:<12} {}\n", name, value);
     };
     const ReportJson& processor = report["processor"];
-    line("vog", fmt::format("{}, commit {}, {}, {}", report["version"].get<std::string>(),
-                            report["commit"].get<std::string>(), report["build"].get<std::string>(),
-                            report["compiler"].get<std::string>()));
-    line("system", fmt::format("{}, {}, {}", report["system"]["distribution"].get<std::string>(),
-                               report["system"]["kernel"].get<std::string>(),
-                               report["system"]["libc"].get<std::string>()));
+    line("vog",
+         fmt::format("{}, commit {}, {}, {}", text_of(report["version"]), text_of(report["commit"]),
+                     text_of(report["build"]), text_of(report["compiler"])));
+    line("system",
+         fmt::format("{}, {}, {}", text_of(report["system"]["distribution"]),
+                     text_of(report["system"]["kernel"]), text_of(report["system"]["libc"])));
     line("processor",
-         fmt::format("{}, {} cores, {} threads used", processor["name"].get<std::string>(),
+         fmt::format("{}, {} cores, {} threads used", text_of(processor["name"]),
                      processor["cores"].get<unsigned>(), processor["threads"].get<int>()));
     line("SIMD",
-         fmt::format("{} (this processor has {}; compiled for {})",
-                     processor["simd"].get<std::string>(),
-                     fmt::join(processor["simd_supported"].get<std::vector<std::string>>(), " "),
-                     fmt::join(processor["simd_compiled"].get<std::vector<std::string>>(), " ")));
+         fmt::format("{} (this processor has {}; compiled for {})", text_of(processor["simd"]),
+                     words_of(processor["simd_supported"]), words_of(processor["simd_compiled"])));
     const ReportJson& memory = report["memory"];
-    std::string sizes =
-        fmt::format("{}, {} available", bytes_text(memory["total_bytes"].get<std::uint64_t>()),
-                    bytes_text(memory["available_bytes"].get<std::uint64_t>()));
-    if (const auto limit = memory["limit_bytes"].get<std::uint64_t>())
-        sizes += fmt::format(", limited to {}", bytes_text(limit));
+    std::string sizes = fmt::format("{}, {} available", bytes_of(memory["total_bytes"]),
+                                    bytes_of(memory["available_bytes"]));
+    if (memory["limit_bytes"] != 0) sizes += ", limited to " + bytes_of(memory["limit_bytes"]);
     line("memory", sizes);
     line("OpenGL", yes_or_no(report["opengl"]));
-    const auto shown = report["display"].get<std::string>();
+    const auto shown = text_of(report["display"]);
     line("display", shown.empty() ? "no: neither DISPLAY nor WAYLAND_DISPLAY is set; vog view "
                                     "--headless --script FILE works without"
                                   : shown);
     line("CUDA", yes_or_no(report["cuda"]));
     line("OptiX", yes_or_no(report["optix"]));
     for (const ReportJson& library : report["libraries"])
-        line(library["name"].get<std::string>(),
+        line(text_of(library["name"]),
              fmt::format("{} ({})",
                          !library["found"]             ? "not in this build"
-                         : library.contains("version") ? library["version"].get<std::string>()
+                         : library.contains("version") ? text_of(library["version"])
                                                        : "yes",
-                         library["purpose"].get<std::string>()));
+                         text_of(library["purpose"])));
     line("ffmpeg", yes_or_no(report["ffmpeg"]));
     return text;
 }

@@ -116,12 +116,9 @@ std::string man_page(const CLI::App& app, const std::string& command) {
     if (command.empty()) return program_page(app);
     const auto commands = commands_of(app);
     const auto found = std::ranges::find(commands, command, &CLI::App::get_name);
-    if (found == commands.end()) {
-        std::vector<std::string> names;
-        for (const CLI::App* one : commands) names.push_back(one->get_name());
-        throw Error(
-            fmt::format("man: no command '{}', expected {}", command, fmt::join(names, ", ")));
-    }
+    if (found == commands.end())
+        throw Error(fmt::format("man: no command '{}', expected {}", command,
+                                fmt::join(command_words(app), ", ")));
     const CLI::App& one = **found;
     const std::string name = app.get_name() + "-" + command;
     std::vector<std::string> arguments;

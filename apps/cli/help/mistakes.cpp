@@ -21,15 +21,6 @@ const CLI::App& parsed_command(const CLI::App& app) {
     return parsed.empty() ? app : *parsed.front();
 }
 
-std::vector<std::string> option_names(const CLI::App& command) {
-    std::vector<std::string> names;
-    for (const CLI::Option* option : named_options(command)) {
-        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-        for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-    }
-    return names;
-}
-
 /// "vog convert": the words before the arguments.
 std::string spoken(const CLI::App& command) {
     return command.get_parent() ? command.get_parent()->get_name() + " " + command.get_name()
@@ -46,7 +37,7 @@ std::string unexpected_text(const CLI::App& app) {
     if (option == extras.end())
         return fmt::format("{}: unexpected argument '{}'", spoken(command), extras.front());
     const std::string word = option->substr(0, option->find('='));
-    const std::string near = nearest(word, option_names(command));
+    const std::string near = nearest(word, option_words(command));
     if (!near.empty())
         return fmt::format("{}: no option {}; did you mean {}?", spoken(command), word, near);
     // An option of another command is no typing error.
@@ -119,8 +110,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
 }
 
 std::string unknown_command_text(const CLI::App& app, const std::string& word) {
-    std::vector<std::string> names;
-    for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
+    const std::vector<std::string> names = command_words(app);
     const std::string near = nearest(word, names);
     if (!near.empty())
         return fmt::format("no command or file '{}'; did you mean '{} {}'?", word, app.get_name(),

@@ -38,39 +38,30 @@ std::string beside(const std::string& file, const std::string& extension) {
 
 /// Steps of a grid, or of the levels of one mesh.
 /// grid  option that chooses it, with a space before; empty: the default
-void add_volume_steps(const FileContents& contents, const VolumeInfo& volume,
-                      const std::string& grid, std::vector<NextStep>& steps) {
-    const std::string file = quoted(contents.file);
-    const std::string ply = beside(contents.file, ".ply"), png = beside(contents.file, ".png");
-    if (volume.grid.grid_class == "level set") {
-        const std::string fog = grid + " --level-set-to-fog";
-        steps.push_back({fmt::format("vog render {}{} -o {}", file, fog, png),
-                         "a picture of the inside of the surface"});
-        steps.push_back({fmt::format("vog convert {}{} -o {}", file, fog, ply), "Gaussians"});
-        return;
-    }
-    if (volume.grid.min < 0) {
-        // Signed values are no density: they are drawn by value, and become a field of Gaussians that count volume.
-        steps.push_back({fmt::format("vog render {}{} -o {} --show volume", file, grid, png),
-                         "a picture by value; --window CENTRE,WIDTH chooses values"});
-        steps.push_back({fmt::format("vog convert {}{} -o {} --measure volume", file, grid, ply),
-                         "Gaussians that carry the values, which are of both signs"});
-        steps.push_back(
-            {fmt::format("vog export {} -o {} --show volume", ply, beside(contents.file, ".html")),
-             "then a page for a browser"});
-        steps.push_back({fmt::format("vog view {} --show volume", ply), "or a window"});
-        steps.push_back({fmt::format("vog render {}{} -o {} --clip-negative", file, grid, png),
-                         "a picture of the positive values as a density"});
-        return;
-    }
-    steps.push_back({fmt::format("vog render {}{} -o {}", file, grid, png), "a picture"});
-    steps.push_back(
-        {fmt::format("vog render {}{} -o {} --show volume", file, grid, png), "the same by value"});
-    steps.push_back({fmt::format("vog convert {}{} -o {}", file, grid, ply), "Gaussians"});
-    steps.push_back(
-        {fmt::format("vog export {}{} -o {}", file, grid, beside(contents.file, ".html")),
-         "a page for a browser"});
-    steps.push_back({fmt::format("vog view {}{}", file, grid), "a window"});
+std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& volume,
+                                    const std::string& grid) {
+    const std::string file = quoted(name) + grid, ply = beside(name, ".ply");
+    const std::string png = beside(name, ".png"), html = beside(name, ".html");
+    if (volume.grid.grid_class == "level set")
+        return {{fmt::format("vog render {} --level-set-to-fog -o {}", file, png),
+                 "a picture of the inside of the surface"},
+                {fmt::format("vog convert {} --level-set-to-fog -o {}", file, ply), "Gaussians"}};
+    // Signed values are no density: they are drawn by value, and become a field of Gaussians that count volume.
+    if (volume.grid.min < 0)
+        return {{fmt::format("vog render {} -o {} --show volume", file, png),
+                 "a picture by value; --window CENTRE,WIDTH chooses values"},
+                {fmt::format("vog convert {} -o {} --measure volume", file, ply),
+                 "Gaussians that carry the values, which are of both signs"},
+                {fmt::format("vog export {} -o {} --show volume", ply, html),
+                 "then a page for a browser"},
+                {fmt::format("vog view {} --show volume", ply), "or a window"},
+                {fmt::format("vog render {} -o {} --clip-negative", file, png),
+                 "a picture of the positive values as a density"}};
+    return {{fmt::format("vog render {} -o {}", file, png), "a picture"},
+            {fmt::format("vog render {} -o {} --show volume", file, png), "the same by value"},
+            {fmt::format("vog convert {} -o {}", file, ply), "Gaussians"},
+            {fmt::format("vog export {} -o {}", file, html), "a page for a browser"},
+            {fmt::format("vog view {}", file), "a window"}};
 }
 
 std::vector<NextStep> steps_of_volume(const FileContents& contents) {
@@ -81,25 +72,23 @@ std::vector<NextStep> steps_of_volume(const FileContents& contents) {
         scalar.push_back(&volume);
         names.push_back(volume.grid.name);
     }
-    std::vector<NextStep> steps;
+    const auto of_grid = [&](const VolumeInfo& volume, const std::string& name) {
+        return steps_of_grid(contents.file, volume, " --grid " + quoted(name));
+    };
     if (scalar.empty()) {
         for (const VolumeInfo& volume : contents.grids)
-            if (volume.grid.type.starts_with("vec") && volume.grid.active_voxels) {
-                add_volume_steps(contents, volume, " --grid " + quoted(volume.grid.name), steps);
-                break;
-            }
-        return steps;
+            if (volume.grid.type.starts_with("vec") && volume.grid.active_voxels)
+                return of_grid(volume, volume.grid.name);
+        return {};
     }
     const std::string pattern = level_pattern(names);
-    if (!pattern.empty()) {
-        add_volume_steps(contents, *scalar.front(), " --grid " + quoted(pattern), steps);
-        return steps;
-    }
+    if (!pattern.empty()) return of_grid(*scalar.front(), pattern);
     const auto density = std::ranges::find(names, "density");
     const bool named = names.size() > 1 && density == names.end();
     const auto chosen = density == names.end() ? 0 : density - names.begin();
     const VolumeInfo& volume = *scalar[static_cast<std::size_t>(chosen)];
-    add_volume_steps(contents, volume, named ? " --grid " + quoted(volume.grid.name) : "", steps);
+    std::vector<NextStep> steps =
+        named ? of_grid(volume, volume.grid.name) : steps_of_grid(contents.file, volume, "");
     // A second grid of a file is most often a field of the first.
     if (names.size() > 1 && volume.grid.min >= 0 && volume.grid.grid_class != "level set") {
         const std::string& other = names[chosen == 0 ? 1 : 0];
