@@ -1,4 +1,4 @@
-// bind_evaluate.cpp: evaluate(): the paper's tables and plots.
+// bind_evaluate.cpp: evaluate(): the paper's tables.
 #include <map>
 #include <memory>
 #include <tuple>
@@ -54,24 +54,24 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     options.voxels = voxels;
     options.resume = resume;
     options.progress = progress_of(progress);
+    VolumeSet set;
+    if (py::isinstance<Volume>(data)) {
+        set.volumes.push_back(data.cast<const Volume&>());
+    } else if (const auto levels = levels_of(data)) {
+        static_cast<Levels&>(set) = *levels;
+        set.overlap = Overlap::hide;
+    } else {
+        refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
+    }
     SampledFields sampled;
     if (!fields.is_none()) {
-        if (!py::isinstance<Volume>(data) && !levels_of(data))
-            refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
         sampled = sampled_fields(data, fields, "evaluate");
         options.read_fields = [&](std::vector<Volume>& volumes) {
             volumes = sampled.volumes;
             return sampled.values;
         };
     }
-    if (py::isinstance<Volume>(data)) {
-        const auto& volume = data.cast<const Volume&>();
-        unlocked([&] { return evaluate(std::span(&volume, 1), folder, options); });
-    } else if (const auto levels = levels_of(data)) {
-        unlocked([&] { return evaluate(*levels, folder, options); });
-    } else {
-        refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
-    }
+    unlocked([&] { return evaluate(set, folder, options); });
     return results_in(folder / "results.json");
 }
 
@@ -87,7 +87,8 @@ void bind_evaluate(py::module_& m) {
         R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels.
 
 data         a Volume, Levels or a list of Volumes
-folder       output folder, created if absent: results.json, results.md, index.html, pictures/
+folder       output folder, created if absent: results.json, results.csv, pictures/;
+             `python -m vog.report FOLDER` makes plots and a page of it
 size         size of the pictures in pixels, 512 or (width, height)
 repeats      timed renders per view, after one warm-up
 extinction   factor on density, or 'auto': by the reference of each view

@@ -40,7 +40,7 @@ std::vector<Conversion> conversions(const Ranks& ranks) {
     return rows;
 }
 
-std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ranks& ranks) {
+cli::LoadedVolumes load_part(const cli::EvaluateArguments& arguments, const Ranks& ranks) {
     VolumesPart part = read_volumes_part(arguments.inputs, arguments.volume, ranks, kAlign_voxels);
     if (part.is_mesh())
         throw Error(
@@ -51,7 +51,9 @@ std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ran
             fmt::format("{} files for {} ranks: an evaluation divides every file among all ranks; "
                         "expected fewer than 4 files per rank",
                         part.volumes, ranks.count()));
-    return std::move(part.sets.front().volumes);
+    cli::LoadedVolumes loaded;
+    loaded.volumes = std::move(part.sets.front().volumes);
+    return loaded;
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // vog/evaluate.h: evaluation of conversions: the paper's tables 1 to 4 and both figures for any
 // volume. Each conversion makes a model, a row of the results; it is rendered from seven views and
-// compared with exact integration of the voxels (Renderer::reference). Results: JSON, Markdown and an
-// HTML page. Protocol: docs/evaluation.md.
+// compared with exact integration of the voxels (Renderer::reference). Results: JSON, CSV and pictures;
+// plots and a page of them: `python -m vog.report FOLDER`. Protocol: docs/evaluation.md.
 // T: optical depth; V = 1 - exp(-T), compared as 8-bit grey; RGB: T shaded by the transfer
 // function. All are at the extinction (factor on density) of the view.
 #pragma once
@@ -144,7 +144,7 @@ Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*
 /// figure  member of ValueResult: &ValueResult::psnr_rgb_db
 Spread spread(const EvaluationRow& row, std::size_t function, double ValueResult::*figure);
 
-/// Results of an evaluation, the content of its reports. Counts are sums over all volumes.
+/// Results of an evaluation, the content of results.json. Counts are sums over all volumes.
 struct Evaluation {
     std::string title;                  ///< file and grid of every volume: "smoke.vdb density"
     std::uint64_t active_voxels = 0;    ///< a tile counts edge^3; levels: at least partly visible
@@ -152,7 +152,6 @@ struct Evaluation {
     std::uint64_t leaves = 0,           ///< leaves of 8^3 voxels
         dense_leaves = 0,               ///< leaves with all 512 voxels active
         tiles = 0;                      ///< constant tiles of any size
-    std::uint64_t reference_bytes = 0;  ///< size of the reference's NanoVDB grids, bytes
     double mass = 0;                    ///< density times world volume, at extinction 1
     int width = 512, height = 512;      ///< size of the pictures, pixels
     std::string tf,                     ///< transfer function: a name or a JSON file
@@ -191,20 +190,17 @@ struct EvaluateOptions {
     Progress progress{};  ///< called with the finished fraction; empty: not
 };
 
-/// Evaluates conversions of `volumes`, whose T and mass add up, and writes into `folder`, made if
+/// Evaluates conversions of volumes, whose T and mass add up, or of the levels of a mesh, and writes into `folder`, made if
 /// absent:
 ///   results.json   after every row, so that an interrupted evaluation can be resumed
 ///   pictures/      pictures of each row in the views `paper` and `inside`, and difference maps
-///   results.md, index.html   at the end
+///   results.csv    at the end: a line for each row
+/// Each piece of a ray through a mesh counts in the finest level that covers it; conversions get the parts of each level
+/// that no finer level hides.
 /// throws   vog::Error for options out of range, no volume or an empty one, a file that cannot be
 ///          written, earlier results of other data or settings
 /// cost     conversions * views * (repeats + 1) renders
-Evaluation evaluate(std::span<const Volume> volumes, const std::filesystem::path& folder,
-                    const EvaluateOptions& options = {});
-/// Evaluates conversions of the levels of an adaptive mesh, likewise. The reference integrates each
-/// piece of a ray in the finest level that covers it; conversions get the parts of each level that
-/// no finer level hides.
-Evaluation evaluate(const Levels& levels, const std::filesystem::path& folder,
+Evaluation evaluate(const VolumeSet& data, const std::filesystem::path& folder,
                     const EvaluateOptions& options = {});
 
 }  // namespace vog

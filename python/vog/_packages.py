@@ -5,7 +5,7 @@ from typing import Any
 # Names for pip and for Debian's apt, where they are not the module's.
 _PIP = {"vtkmodules": "vtk"}
 _DEBIAN = {
-    "astropy": "python3-astropy", "pint": "python3-pint", "xarray": "python3-xarray", "nibabel": "python3-nibabel",
+    "astropy": "python3-astropy", "matplotlib": "python3-matplotlib", "pint": "python3-pint", "xarray": "python3-xarray", "nibabel": "python3-nibabel",
     "tifffile": "python3-tifffile", "vtkmodules": "python3-vtk9", "yt": "python3-yt",
 }  # fmt: skip
 

@@ -16,12 +16,11 @@
 #include "evaluate/evaluation_report.h"
 #include "evaluate/fields/field_comparison.h"
 #include "evaluate/values/value_comparison.h"
-#include "render/reference/reference.h"
-#include "render/splat/splat.h"
 #include "shade/named_extinction.h"
 #include "vog/compare.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/picture.h"
 #include "vog/ply.h"
 
 namespace vog {
@@ -31,6 +30,12 @@ using namespace evaluation;
 namespace fs = std::filesystem;
 
 namespace {
+
+/// End of the scale of all difference maps, in units of 1/255: one scale, so that rows compare.
+constexpr double kMapLimit = 20;
+
+/// Whether pictures of a view are written.
+bool keeps_picture(const std::string& view) { return view == "paper" || view == "inside"; }
 
 Timing timing_of(std::vector<double> ms) {
     std::sort(ms.begin(), ms.end());
@@ -81,52 +86,41 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
     return std::move(earlier.rows);
 }
 
-/// Images of the voxels that every row is compared with, one per view.
+/// Pictures of the voxels that every row is compared with, [views].
 struct References {
     std::vector<DepthImage> depth;
     std::vector<Image> shaded;
-    std::vector<std::vector<FieldMaps>> field;  ///< [views][fields]
 };
 
 /// One evaluation: its references, its rows and its files.
 class Run {
   public:
-    /// levels: those whose volumes these are, or null: volumes that add up
-    Run(std::span<const Volume> volumes, const Levels* levels, fs::path folder,
-        const EvaluateOptions& options)
-        : volumes_(volumes),
-          levels_(levels),
+    Run(const VolumeSet& data, fs::path folder, const EvaluateOptions& options)
+        : data_(data),
+          volumes_(data.volumes),
           folder_(std::move(folder)),
           options_(options),
+          processes_(collective_or_single(options.collective)),
           tf_(load_transfer_function(options.tf)),
-          evaluation_(begin_evaluation(volumes, options)) {
-        if (levels) {
-            mesh_ = composite(*levels);
-            if (mesh_.parts.empty())
-                throw Error(
-                    fmt::format("{}: no visible voxel, expected active voxels inside the masks",
-                                evaluation_.title));
-            volumes_ = mesh_.parts;
-            evaluation_.active_voxels = mesh_.voxels;
-            evaluation_.mass = 0;
-            for (const Volume& part : volumes_) evaluation_.mass += mass(part);
-            box_ = mesh_.box;
-        } else {
-            box_ = box_of(volumes, collective_or_single(options.collective));
-        }
+          evaluation_(begin_evaluation(data.volumes, options)) {
+        if (data.is_mesh())
+            take_visible();
+        else
+            box_ = box_of(volumes_, processes_);
         evaluation_.views = evaluation_views(box_);
         if (options.read_fields) {
-            fields_ = FieldComparison(volumes_, options);
+            fields_ = FieldComparison(volumes_, box_, evaluation_.views, options);
             evaluation_.fields = fields_.names();
         }
-        if (options.voxels && ((!levels && volumes.size() != 1) || options.collective))
+        if (options.voxels && ((!data.is_mesh() && volumes_.size() != 1) || options.collective))
             throw Error(
                 fmt::format("{}: the field error is of one volume or mesh by one process, expected "
                             "no volumes that add up, nor parts",
                             evaluation_.title));
         evaluation_.voxels = options.voxels;
         if (options.by_value) {
-            by_value_.emplace(volumes_, box_, options);
+            if (data.is_mesh()) visible_.volumes = mesh_.parts;
+            by_value_.emplace(data.is_mesh() ? visible_ : data, box_, options);
             evaluation_.functions = by_value_->names();
         }
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
@@ -136,7 +130,7 @@ class Run {
         const std::vector<EvaluationRow> kept =
             kept_rows(folder_ / "results.json", evaluation_, options_);
         if (is_root()) make_folder(folder_ / "pictures");
-        render_references();
+        draw_references();
         for (const Conversion& conversion : options_.conversions) {
             const auto same = [&](const EvaluationRow& row) {
                 return row.series == conversion.series && row.step == conversion.step;
@@ -154,38 +148,53 @@ class Run {
         }
         if (!is_root()) return evaluation_;
         write_results(folder_ / "results.json", evaluation_);
-        write_markdown(folder_ / "results.md", evaluation_);
-        write_report(folder_ / "index.html", evaluation_, folder_ / "pictures");
+        write_csv(folder_ / "results.csv", evaluation_);
         return evaluation_;
     }
 
   private:
-    bool is_root() const { return collective_or_single(options_.collective).is_root(); }
+    bool is_root() const { return processes_.is_root(); }
+
+    /// The visible voxels of a mesh, which are converted in place of its levels.
+    void take_visible() {
+        mesh_ = composite(data_);
+        if (mesh_.parts.empty())
+            throw Error(fmt::format("{}: no visible voxel, expected active voxels inside the masks",
+                                    evaluation_.title));
+        volumes_ = mesh_.parts;
+        box_ = mesh_.box;
+        evaluation_.active_voxels = mesh_.voxels;
+        evaluation_.mass = 0;
+        for (const Volume& part : volumes_) evaluation_.mass += mass(part);
+    }
 
     /// Time of the slowest process, ms.
     template <class Work>
     double shared_ms(const Work& work) const {
         double ms = milliseconds(work);
-        collective_or_single(options_.collective).max(std::span(&ms, 1));
+        processes_.max(std::span(&ms, 1));
         return ms;
     }
 
-    /// Times options.repeats runs of `work`, after one warm-up.
-    template <class Work>
-    Timing time_repeated(const Work& work) const {
-        work();
+    /// Draws T at extinction 1 from a view: options.repeats times after one that does not count.
+    /// aabb_sigma  as Conversion has it
+    DepthImage timed_depth(PictureRenderer& renderer, const EvaluationView& view, double aabb_sigma,
+                           Timing& timing) const {
+        PictureRequest request;
+        request.camera = view.camera;
+        request.width = options_.width, request.height = options_.height;
+        request.options.aabb_sigma = aabb_sigma;
+        const ResolvedPicture picture = resolve(request, renderer.scene());
+        Sums sums;
         std::vector<double> ms;
-        for (int n = 0; n < options_.repeats; ++n) ms.push_back(shared_ms(work));
-        return timing_of(std::move(ms));
-    }
-
-    /// Sums T over all processes.
-    void sum_depth(DepthImage& depth) const {
-        if (!collective_or_single(options_.collective).shared()) return;
-        std::vector<double> sum(depth.depth.begin(), depth.depth.end());
-        collective_or_single(options_.collective).sum(sum);
-        std::ranges::transform(sum, depth.depth.begin(),
-                               [](double t) { return static_cast<float>(t); });
+        for (int n = 0; n <= options_.repeats; ++n)
+            ms.push_back(shared_ms([&] { renderer.draw(picture, sums); }));
+        ms.erase(ms.begin());
+        timing = timing_of(std::move(ms));
+        DepthImage depth;
+        depth.width = sums.width, depth.height = sums.height;
+        depth.depth = std::move(sums.column);
+        return depth;
     }
 
     void advance(std::size_t steps) {
@@ -193,49 +202,26 @@ class Run {
         if (options_.progress) options_.progress(done_ / steps_);
     }
 
-    void render_references() {
-        if (levels_) {
-            const LevelGrids grids = level_grids(*levels_);
-            evaluation_.reference_bytes = grids.memory_bytes();
-            return render_references_of(grids);
-        }
-        std::vector<VoxelGrid> grids;
-        for (const Volume& volume : volumes_) grids.push_back(voxel_grid(volume));
-        for (const VoxelGrid& grid : grids) evaluation_.reference_bytes += grid.memory_bytes();
-        allreduce_sum(collective_or_single(options_.collective), evaluation_.reference_bytes);
-        render_references_of(grids);
-    }
-
-    template <class Grids>
-    void render_references_of(const Grids& grids) {
+    void draw_references() {
+        PictureRenderer renderer(
+            scene_in(box_, VoxelSource{borrowed(data_), {}}, options_.collective));
         for (EvaluationView& view : evaluation_.views) {
-            DepthImage depth;
-            view.reference = time_repeated([&] {
-                depth = render_reference(grids, view.camera, options_.width, options_.height);
-            });
-            sum_depth(depth);
+            DepthImage depth = timed_depth(renderer, view, 0, view.reference);
             view.extinction =
                 options_.extinction > 0
                     ? options_.extinction
                     : shading::auto_extinction_of(
                           depth, volumes_.empty() ? std::string{} : volumes_.front().source);
-            const auto covered = std::count_if(depth.depth.begin(), depth.depth.end(),
-                                               [](float t) { return t > 0; });
+            const auto covered = std::ranges::count_if(depth.depth, [](float t) { return t > 0; });
             view.covered = static_cast<double>(covered) / static_cast<double>(depth.depth.size());
             set_extinction(depth, view.extinction);
             references_.shaded.push_back(shade(depth, tf_));
             references_.depth.push_back(std::move(depth));
-            references_.field.push_back(fields_.reference(view.camera));
             if (is_root() && keeps_picture(view.name))
-                write_png(folder_ / "pictures" / picture_name(nullptr, view.name, false),
+                write_png(folder_ / "pictures" / fmt::format("reference-{}.png", view.name),
                           references_.shaded.back());
             advance(1);
         }
-    }
-
-    static bool keeps_picture(const std::string& view) {
-        return std::find(std::begin(kPictureViews), std::end(kPictureViews), view) !=
-               std::end(kPictureViews);
     }
 
     /// Budget of a conversion: the count of Gaussians of the row it names; 0: none.
@@ -253,7 +239,8 @@ class Run {
     /// Converts all volumes to one model; several volumes share the budget by active voxels.
     Gaussians converted(const Conversion& conversion, std::size_t budget) const {
         if (conversion.model) return *conversion.model;
-        if (levels_ && conversion.convert_levels) return conversion.convert_levels(mesh_, budget);
+        if (data_.is_mesh() && conversion.convert_levels)
+            return conversion.convert_levels(mesh_, budget);
         std::uint64_t all_voxels = 0;
         for (const Volume& volume : volumes_) all_voxels += active_voxels(volume);
         Gaussians model;
@@ -292,61 +279,63 @@ class Run {
         row.aabb_sigma = conversion.aabb_sigma;
         const Gaussians model = convert(conversion, row.convert);
         row.options = fmt::format("--method {} {}", model.method, model.options);
-        row.gaussians = model.size();
-        allreduce_sum(collective_or_single(options_.collective), row.gaussians);
-        double rotated = model.axis_aligned() ? 0 : 1;  // an empty part is axis-aligned
-        collective_or_single(options_.collective).max(std::span(&rotated, 1));
-        Gaussians about;  // header of the whole model
-        about.cutoff = model.cutoff, about.origin = model.origin, about.box = model.box,
-        about.source = model.source;
-        about.method = model.method, about.options = model.options;
-        about.summary = model.summary, about.source_voxels = model.source_voxels;
-        about.fields = empty_fields(model.fields);
-        if (collective_or_single(options_.collective).shared())
-            about.source_voxels = evaluation_.active_voxels;
-        row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
-                    row.gaussians * ply_row_floats(rotated > 0, about.fields) * sizeof(float);
-        double model_mass = mass(model);
-        collective_or_single(options_.collective).sum(model_mass);
-        row.mass_ratio = evaluation_.mass > 0 ? model_mass / evaluation_.mass : 1;
-
-        SplatOptions splat;
-        splat.aabb_sigma = conversion.aabb_sigma;
-        SplatRenderer renderer(model, splat);
-        DepthImage depth;
+        describe(model, row);
+        PictureRenderer renderer(scene_in(box_, model, options_.collective));
         for (std::size_t n = 0; n < evaluation_.views.size(); ++n) {
-            const Timing timing = time_repeated([&] {
-                renderer.render(evaluation_.views[n].camera, options_.width, options_.height,
-                                depth);
-            });
-            sum_depth(depth);
+            Timing timing;
+            DepthImage depth =
+                timed_depth(renderer, evaluation_.views[n], conversion.aabb_sigma, timing);
             if (is_root()) {
                 row.views.push_back(compare_view(row, n, depth));
                 row.views.back().render = timing;
             }
             advance(1);
         }
-        // Boxes are of T.
-        if (conversion.aabb_sigma == 0) fields_.compare(model, evaluation_, references_.field, row);
-        if (conversion.aabb_sigma == 0 && by_value_) row.values = by_value_->compare(model);
-        if (conversion.aabb_sigma == 0 && options_.voxels)
+        if (conversion.aabb_sigma > 0) return row;  // boxes are of T
+        fields_.compare(model, row);
+        if (by_value_) row.values = by_value_->compare(model);
+        if (options_.voxels)
             row.voxels =
-                levels_ ? voxel_error(volumes_, model)
-                        : voxel_error(volumes_.front(),
-                                      voxelize(model, volumes_.front().world_from_index).volume);
+                data_.is_mesh()
+                    ? voxel_error(volumes_, model)
+                    : voxel_error(volumes_.front(),
+                                  voxelize(model, volumes_.front().world_from_index).volume);
         return row;
     }
 
-    /// Metrics of one row from one view; writes the pictures of the views of kPictureViews.
+    /// Counts, bytes and mass of a model, of which each process has a part.
+    void describe(const Gaussians& model, EvaluationRow& row) const {
+        row.gaussians = model.size();
+        allreduce_sum(processes_, row.gaussians);
+        double rotated = model.axis_aligned() ? 0 : 1;  // an empty part is axis-aligned
+        processes_.max(std::span(&rotated, 1));
+        Gaussians about;  // header of the whole model
+        about.cutoff = model.cutoff, about.origin = model.origin, about.box = model.box,
+        about.source = model.source;
+        about.method = model.method, about.options = model.options;
+        about.summary = model.summary, about.source_voxels = model.source_voxels;
+        about.fields = empty_fields(model.fields);
+        if (processes_.shared()) about.source_voxels = evaluation_.active_voxels;
+        row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
+                    row.gaussians * ply_row_floats(rotated > 0, about.fields) * sizeof(float);
+        double model_mass = mass(model);
+        processes_.sum(model_mass);
+        row.mass_ratio = evaluation_.mass > 0 ? model_mass / evaluation_.mass : 1;
+    }
+
+    /// Metrics of one row from one view; writes the pictures of the views `paper` and `inside`.
     ViewResult compare_view(const EvaluationRow& row, std::size_t n, DepthImage& depth) const {
         const EvaluationView& view = evaluation_.views[n];
         set_extinction(depth, view.extinction);
         const Image shaded = shade(depth, tf_);
         const DepthDifference difference = compare(references_.depth[n], depth);
         if (keeps_picture(view.name)) {
-            const fs::path pictures = folder_ / "pictures";
-            write_png(pictures / picture_name(&row, view.name, false), shaded);
-            write_png(pictures / picture_name(&row, view.name, true),
+            const auto file = [&](const char* kind) {
+                return folder_ / "pictures" /
+                       fmt::format("{}-{}-{}{}.png", row.series, row.step, view.name, kind);
+            };
+            write_png(file(""), shaded);
+            write_png(file("-difference"),
                       difference_map(references_.depth[n], depth, {kMapLimit, false}));
         }
         ViewResult result;
@@ -364,11 +353,13 @@ class Run {
         return result;
     }
 
-    std::span<const Volume> volumes_;  ///< what is converted; of levels, the parts of mesh_
-    const Levels* levels_;
+    const VolumeSet& data_;
+    std::span<const Volume> volumes_;  ///< what is converted; of a mesh, the parts of mesh_
     Composite mesh_;
+    VolumeSet visible_;  ///< these for pictures by value
     fs::path folder_;
     const EvaluateOptions& options_;
+    const Collective& processes_;
     TransferFunction tf_;
     Evaluation evaluation_;
     Box box_;
@@ -391,22 +382,15 @@ void check(const EvaluateOptions& options) {
 
 }  // namespace
 
-Evaluation evaluate(std::span<const Volume> volumes, const fs::path& folder,
-                    const EvaluateOptions& options) {
+Evaluation evaluate(const VolumeSet& data, const fs::path& folder, const EvaluateOptions& options) {
     check(options);
-    if (volumes.empty()) throw Error("evaluate: no volume, expected at least one");
-    for (const Volume& volume : volumes) {
-        validate(volume);
-        if (volume.empty() && !collective_or_single(options.collective).shared())
+    if (data.volumes.empty()) throw Error("evaluate: no volume, expected at least one");
+    validate(data);
+    const bool may_be_empty = data.is_mesh() || collective_or_single(options.collective).shared();
+    for (const Volume& volume : data.volumes)
+        if (volume.empty() && !may_be_empty)
             throw Error(fmt::format("{}: no active voxel, expected at least one", volume.source));
-    }
-    return Run(volumes, nullptr, folder, options).run();
-}
-
-Evaluation evaluate(const Levels& levels, const fs::path& folder, const EvaluateOptions& options) {
-    check(options);
-    validate(levels);
-    return Run(levels.volumes, &levels, folder, options).run();
+    return Run(data, folder, options).run();
 }
 
 }  // namespace vog

@@ -7,6 +7,7 @@
 #include <array>
 #include <fstream>
 #include <limits>
+#include <utility>
 
 #include "vog/text.h"
 
@@ -52,7 +53,23 @@ std::uint64_t box_voxels(const Volume& volume, const Collective& collective) {
     return static_cast<std::uint64_t>(std::max(voxels, 0.0));
 }
 
+Scene scene_of_source(const Box& box, Source source, const Collective* collective) {
+    Scene scene;
+    scene.sources.push_back(std::move(source));
+    scene.subject = box;
+    scene.collective = collective;
+    return scene;
+}
+
 }  // namespace
+
+Scene scene_in(const Box& box, VoxelSource voxels, const Collective* collective) {
+    return scene_of_source(box, std::move(voxels), collective);
+}
+
+Scene scene_in(const Box& box, const Gaussians& model, const Collective* collective) {
+    return scene_of_source(box, ModelSource{borrowed(model)}, collective);
+}
 
 void allreduce_sum(const Collective& collective, std::uint64_t& count) {
     auto sum = static_cast<double>(count);

@@ -187,7 +187,6 @@ Evaluation evaluation_from(const std::filesystem::path& file, const Json& json) 
     evaluation.leaves = data.at("leaves").get<std::uint64_t>();
     evaluation.dense_leaves = data.at("dense_leaves").get<std::uint64_t>();
     evaluation.tiles = data.at("tiles").get<std::uint64_t>();
-    evaluation.reference_bytes = data.at("reference_bytes").get<std::uint64_t>();
     evaluation.mass = data.at("mass").get<double>();
     const Json& settings = json.at("settings");
     evaluation.width = settings.at("width").get<int>();
@@ -228,7 +227,6 @@ void write_results(const std::filesystem::path& file, const Evaluation& evaluati
                    {"leaves", evaluation.leaves},
                    {"dense_leaves", evaluation.dense_leaves},
                    {"tiles", evaluation.tiles},
-                   {"reference_bytes", evaluation.reference_bytes},
                    {"mass", evaluation.mass}}},
                  {"settings",
                   {{"width", evaluation.width},

@@ -30,7 +30,7 @@ TEST_F(mpi_evaluate, rows_have_the_figures_of_one_process) {
         }
     EXPECT_EQ(compared, many["rows"].size());
     EXPECT_EQ(compared, 20u);  // 16 of the paper, 4 uniform
-    EXPECT_TRUE(std::filesystem::exists(dir_ / "many" / "index.html"));
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "many" / "results.csv"));
 }
 
 TEST_F(mpi_evaluate, the_error_of_the_field_is_of_one_process) {

@@ -318,7 +318,7 @@ def test_evaluate_returns_what_it_writes(tmp_path, cloud):
     fractions = []
     result = vog.evaluate(cloud, tmp_path / "out", size=32, repeats=1, conversions="paper", progress=fractions.append)
     assert json.loads((tmp_path / "out" / "results.json").read_text()) == result
-    assert len(result["rows"]) > 4 and (tmp_path / "out" / "index.html").exists() and fractions[-1] == pytest.approx(1)
+    assert len(result["rows"]) > 4 and (tmp_path / "out" / "results.csv").exists() and fractions[-1] == pytest.approx(1)
     with pytest.raises(vog.Error, match="expected 'all', 'paper' or 'moments'"):
         vog.evaluate(cloud, tmp_path, conversions="some")
     with pytest.raises(TypeError):

@@ -1,5 +1,4 @@
-// evaluate.cpp: vog evaluate: load -> every conversion from every view -> tables, plots and
-// pictures.
+// evaluate.cpp: vog evaluate: load -> every conversion from every view -> tables and pictures.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -125,20 +124,14 @@ std::vector<std::vector<VoxelField>> fields_at(const EvaluateArguments& argument
 
 Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ranks, Stages& stages,
                      std::vector<std::string>& notes) {
-    if (ranks.load) {
-        const std::vector<Volume> volumes =
-            stages.run("load", [&] { return ranks.load(arguments); });
-        return stages.run("evaluate",
-                          [&] { return evaluate(volumes, arguments.folder, arguments.options); });
-    }
-    const LoadedVolumes set =
-        stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
+    const LoadedVolumes set = stages.run("load", [&] {
+        return ranks.load ? ranks.load(arguments)
+                          : load_volumes(arguments.inputs, arguments.volume);
+    });
     notes = set.notes;
     print_notes(notes);
-    return stages.run("evaluate", [&] {
-        return set.is_mesh() ? evaluate(set, arguments.folder, arguments.options)
-                             : evaluate(set.volumes, arguments.folder, arguments.options);
-    });
+    return stages.run("evaluate",
+                      [&] { return evaluate(set, arguments.folder, arguments.options); });
 }
 
 void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
@@ -181,7 +174,9 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
         return;
     }
     print(evaluation);
-    print_line((folder / "index.html").string());
+    print_line((folder / "results.csv").string());
+    print_line(
+        fmt::format("python -m vog.report {} makes plots and a page of it", folder.string()));
 }
 
 }  // namespace
@@ -192,7 +187,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
                   const EvaluateRanks& ranks) {
     CLI::App* command = app.add_subcommand(
         "evaluate",
-        "Measure all conversions of a volume against its voxels: the paper's tables and plots");
+        "Measure all conversions of a volume against its voxels: the paper's tables and pictures");
     command
         ->add_option(
             "inputs", arguments->inputs,
@@ -200,8 +195,10 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
             "them (.ply, .vogz, .json) are evaluated in place of conversions")
         ->required();
     command
-        ->add_option("-o,--output", arguments->folder,
-                     "Folder to write: results.json, results.md, index.html and pictures")
+        ->add_option(
+            "-o,--output", arguments->folder,
+            "Folder to write: results.json, results.csv and pictures; python -m vog.report "
+            "FOLDER makes plots and a page of it")
         ->required();
     add_volume_options(*command, arguments->volume);
     command->add_option(

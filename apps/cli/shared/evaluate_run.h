@@ -29,7 +29,7 @@ struct EvaluateArguments {
 struct EvaluateRanks {
     const Collective* collective = nullptr;  ///< reductions over the ranks; null: one process
     /// Reads this rank's part of volumes whose densities add up. Empty: the whole inputs are read.
-    std::function<std::vector<Volume>(const EvaluateArguments&)> load{};
+    std::function<LoadedVolumes(const EvaluateArguments&)> load{};
 };
 /// Adds the subcommand `evaluate`.
 void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,

@@ -1,22 +1,33 @@
 // field_comparison.cpp: errors of maps of fields, row by row.
 #include "evaluate/fields/field_comparison.h"
 
-#include "render/reference/reference.h"
-#include "render/splat/fields/field_splat.h"
+#include <utility>
+
+#include "evaluate/evaluated_volumes.h"
 #include "vog/compare_maps.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"
+#include "vog/picture.h"
 
 namespace vog::evaluation {
 
-FieldComparison::FieldComparison(std::span<const Volume> volumes, const EvaluateOptions& options)
-    : volumes_(volumes.begin(), volumes.end()),
-      fields_(options.read_fields(volumes_)),
-      width_(options.width),
-      height_(options.height) {
-    for (const std::vector<VoxelField>& field : fields_)
-        if (field.size() != volumes_.size())
+FieldComparison::FieldComparison(std::span<const Volume> volumes, const Box& box,
+                                 std::span<const EvaluationView> views,
+                                 const EvaluateOptions& options)
+    : width_(options.width), height_(options.height) {
+    VolumeSet set;
+    set.volumes.assign(volumes.begin(), volumes.end());
+    fields_ = options.read_fields(set.volumes);
+    volumes_ = std::make_shared<const VolumeSet>(std::move(set));
+    for (const EvaluationView& view : views) views_.push_back(view.camera);
+    for (const std::vector<VoxelField>& field : fields_) {
+        if (field.size() != volumes.size())
             throw Error("evaluate: a field of another number of volumes, expected one for each");
+        const std::string& name = field.front().name;
+        VoxelSource source{volumes_, {}};
+        source.fields.push_back({name, "", field.front().is_vector(), field});
+        reference_.push_back(maps_of(scene_in(box, std::move(source)), name));
+    }
 }
 
 std::vector<std::string> FieldComparison::names() const {
@@ -25,31 +36,37 @@ std::vector<std::string> FieldComparison::names() const {
     return names;
 }
 
-std::vector<FieldMaps> FieldComparison::reference(const Camera& camera) const {
+std::vector<FieldMaps> FieldComparison::maps_of(Scene scene, const std::string& field) const {
+    PictureRequest request;
+    request.show = Show::mean, request.field = field;
+    request.width = width_, request.height = height_;
+    PictureRenderer renderer(std::move(scene));
+    ResolvedPicture picture = resolve(request, renderer.scene());
     std::vector<FieldMaps> maps;
-    for (const std::vector<VoxelField>& field : fields_)
-        maps.push_back(render_field_reference(
-            volumes_, field, field.front().is_vector() ? FieldPart::view : FieldPart::value, camera,
-            width_, height_));
+    for (const Camera& view : views_) {
+        picture.request.camera = view;
+        Sums sums;
+        renderer.draw(picture, sums);
+        maps.push_back({width_, height_, std::move(sums.column), std::move(sums.mean),
+                        std::move(sums.deviation)});
+    }
     return maps;
 }
 
-void FieldComparison::compare(const Gaussians& model, const Evaluation& evaluation,
-                              std::span<const std::vector<FieldMaps>> reference,
-                              EvaluationRow& row) const {
+void FieldComparison::compare(const Gaussians& model, EvaluationRow& row) const {
     if (fields_.empty()) return;
     Gaussians with_fields = model;
     with_fields.fields = {};
-    add_fields(with_fields, volumes_, fields_);
-    for (std::size_t view = 0; view < row.views.size(); ++view)
-        for (std::size_t f = 0; f < fields_.size(); ++f) {
-            const FieldChoice choice = field_choice(fields_[f].front().name, with_fields.fields);
-            const FieldMaps maps = render_field_splat(
-                with_fields, choice, evaluation.views[view].camera, width_, height_);
-            const FieldDifference difference = vog::compare(reference[view][f], maps);
+    add_fields(with_fields, volumes_->volumes, fields_);
+    for (std::size_t f = 0; f < fields_.size(); ++f) {
+        const std::vector<FieldMaps> maps =
+            maps_of(scene_in(model.box, with_fields), fields_[f].front().name);
+        for (std::size_t view = 0; view < row.views.size(); ++view) {
+            const FieldDifference difference = vog::compare(reference_[f][view], maps[view]);
             row.views[view].fields.push_back(
                 {difference.mean_l2, difference.deviation_l2, difference.missing});
         }
+    }
 }
 
 }  // namespace vog::evaluation

@@ -5,15 +5,15 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "compare/values/value_functions.h"
-#include "render/reference/reference.h"
-#include "render/splat/volume/volume_splat.h"
+#include "evaluate/evaluated_volumes.h"
 #include "vog/compare.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"
+#include "vog/picture.h"
 #include "vog/text.h"
-#include "vog/volume_picture.h"
 
 namespace vog::evaluation {
 
@@ -41,9 +41,10 @@ std::vector<ValueTransfer> functions_of(const std::vector<std::string>& texts,
 
 }  // namespace
 
-ValueComparison::ValueComparison(std::span<const Volume> volumes, const Box& box,
+ValueComparison::ValueComparison(const VolumeSet& data, const Box& box,
                                  const EvaluateOptions& options)
-    : volumes_(volumes), width_(options.width), height_(options.height) {
+    : data_(data), box_(box), width_(options.width), height_(options.height) {
+    const std::vector<Volume>& volumes = data.volumes;
     // One name for all volumes, as a field of a mesh has.
     const std::string name = volumes.front().name.empty() ? "density" : volumes.front().name;
     for (const Volume& volume : volumes) values_.push_back(measure_field(volume, name));
@@ -62,19 +63,48 @@ ValueComparison::ValueComparison(std::span<const Volume> volumes, const Box& box
         set_view(orbit, view);
         views_.push_back(orbit_view(box, orbit, double(width_) / height_));
     }
-    for (const ValueTransfer& function : functions_) {
-        std::vector<Image>& pictures = reference_.emplace_back();
-        for (const Camera& camera : views_)
-            pictures.push_back(
-                over(render_volume_reference(volumes_, values_, function, camera, width_, height_),
-                     kBlack));
-    }
+    reference_.resize(functions_.size());
+    draw(scene_in(box, VoxelSource{borrowed(data), {{name, "", false, values_}}}), name,
+         [&](std::size_t function, std::size_t, Image picture) {
+             reference_[function].push_back(std::move(picture));
+         });
 }
 
 std::vector<std::string> ValueComparison::names() const {
     std::vector<std::string> names;
     for (const ValueTransfer& function : functions_) names.push_back(function.name);
     return names;
+}
+
+void ValueComparison::draw(
+    Scene scene, const std::string& field,
+    const std::function<void(std::size_t function, std::size_t view, Image)>& take) const {
+    PictureRequest request;
+    request.show = Show::volume, request.field = field;
+    request.width = width_, request.height = height_;
+    request.transfer.may_be_empty = true;  // of other data the functions may show nothing
+    PictureRenderer renderer(std::move(scene));
+    Sums sums;
+    for (std::size_t function = 0; function < functions_.size(); ++function) {
+        request.transfer.points = transfer_points(functions_[function]);
+        ResolvedPicture picture = resolve(request, renderer.scene());
+        for (std::size_t view = 0; view < views_.size(); ++view) {
+            picture.request.camera = views_[view];
+            renderer.draw(picture, sums);
+            take(function, view, over(sums.light, width_, height_, kBlack));
+        }
+    }
+}
+
+std::vector<std::vector<ValueResult>> ValueComparison::compare(Scene scene,
+                                                               const std::string& field) const {
+    std::vector<std::vector<ValueResult>> results(functions_.size());
+    draw(std::move(scene), field,
+         [&](std::size_t function, std::size_t view, const Image& picture) {
+             const PictureDifference difference = vog::compare(reference_[function][view], picture);
+             results[function].push_back({difference.psnr_db, difference.ssim});
+         });
+    return results;
 }
 
 std::vector<std::vector<ValueResult>> ValueComparison::compare(const Gaussians& model) const {
@@ -86,21 +116,10 @@ std::vector<std::vector<ValueResult>> ValueComparison::compare(const Gaussians& 
         added = model;
         added->fields = {};
         const std::vector<std::vector<VoxelField>> fields{values_};
-        add_fields(*added, volumes_, fields);
+        add_fields(*added, data_.volumes, fields);
     }
     const Gaussians& drawn = added ? *added : model;
-    SlabRenderer renderer(drawn, own(drawn)->name, functions_.front());
-    std::vector<std::vector<ValueResult>> results;
-    for (std::size_t f = 0; f < functions_.size(); ++f) {
-        renderer.set_transfer(functions_[f]);
-        std::vector<ValueResult>& of_function = results.emplace_back();
-        for (std::size_t view = 0; view < views_.size(); ++view) {
-            const PictureDifference difference = vog::compare(
-                reference_[f][view], over(renderer.render(views_[view], width_, height_), kBlack));
-            of_function.push_back({difference.psnr_db, difference.ssim});
-        }
-    }
-    return results;
+    return compare(scene_in(box_, drawn), own(drawn)->name);
 }
 
 }  // namespace vog::evaluation
