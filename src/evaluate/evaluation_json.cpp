@@ -118,13 +118,11 @@ Json to_json(const EvaluationRow& row, const std::vector<std::string>& fields,
                  {"mass_ratio", row.mass_ratio},
                  {"convert_ms", to_json(row.convert)}};
     // Mean and worst over the views, as the tables show them.
-    const Spread psnr = spread(row, &ViewResult::psnr_v_db, true);
-    const Spread l2 = spread(row, &ViewResult::relative_l2, false);
-    json["psnr_v_db"] = {{"mean", number(psnr.mean)}, {"worst", number(psnr.worst)}};
-    json["relative_l2"] = {{"mean", number(l2.mean)}, {"worst", number(l2.worst)}};
     const auto both = [](const Spread& s) {
         return Json{{"mean", number(s.mean)}, {"worst", number(s.worst)}};
     };
+    json["psnr_v_db"] = both(spread(row, &ViewResult::psnr_v_db, true));
+    json["relative_l2"] = both(spread(row, &ViewResult::relative_l2, false));
     if (has_fields(row))
         for (std::size_t n = 0; n < fields.size(); ++n)
             json["fields"][fields[n]] = {

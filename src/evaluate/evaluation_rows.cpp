@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
@@ -22,6 +21,19 @@ double distance_to_face(const Box& box, Vec3d direction) {
         if (direction[axis] != 0)
             distance = std::min(distance, half[axis] / std::abs(direction[axis]));
     return distance;
+}
+
+/// Mean and worst of value(view) over views.
+template <class View, class Value>
+Spread spread_of(const std::vector<View>& views, bool more_is_better, const Value& value) {
+    if (views.empty()) return {};
+    Spread result{0, value(views.front())};
+    for (const View& view : views) {
+        result.mean += value(view) / static_cast<double>(views.size());
+        result.worst = more_is_better ? std::min(result.worst, value(view))
+                                      : std::max(result.worst, value(view));
+    }
+    return result;
 }
 
 }  // namespace
@@ -130,34 +142,17 @@ std::vector<EvaluationView> evaluation_views(const Box& box) {
 }
 
 Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is_better) {
-    if (row.views.empty()) return {};
-    Spread result{0, row.views.front().*figure};
-    for (const ViewResult& view : row.views) {
-        result.mean += view.*figure / static_cast<double>(row.views.size());
-        result.worst = more_is_better ? std::min(result.worst, view.*figure)
-                                      : std::max(result.worst, view.*figure);
-    }
-    return result;
+    return spread_of(row.views, more_is_better, [=](const ViewResult& v) { return v.*figure; });
 }
 
 Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*figure) {
-    Spread result;
-    for (const ViewResult& view : row.views) {
-        const double value = view.fields.at(field).*figure;
-        result.mean += value / static_cast<double>(row.views.size());
-        result.worst = std::max(result.worst, value);
-    }
-    return result;
+    return spread_of(row.views, false,
+                     [=](const ViewResult& view) { return view.fields.at(field).*figure; });
 }
 
 Spread spread(const EvaluationRow& row, std::size_t function, double ValueResult::*figure) {
-    const std::vector<ValueResult>& views = row.values.at(function);
-    Spread result{0, views.front().*figure};
-    for (const ValueResult& view : views) {
-        result.mean += view.*figure / static_cast<double>(views.size());
-        result.worst = std::min(result.worst, view.*figure);
-    }
-    return result;
+    return spread_of(row.values.at(function), true,
+                     [=](const ValueResult& view) { return view.*figure; });
 }
 
 }  // namespace vog

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include "io/exchange/splat_files.h"
 #include "io/exchange/splat_frame.h"

@@ -9,12 +9,10 @@
 #include <charconv>
 #include <cmath>
 #include <istream>
-#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
-#include "data/field_arrays.h"
 #include "io/exchange/splat_frame.h"
 #include "io/ply/ply_fields.h"
 #include "io/ply/ply_nodes.h"
@@ -248,15 +246,12 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
 void refuse_unknown(const std::filesystem::path& file, const Header& header, Layout layout,
                     const Fields& fields) {
     if (layout != Layout::vog) return;
-    const std::vector<std::string> columns = column_names(fields);
-    std::set<std::string> known(columns.begin(), columns.end());
-    known.insert({"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
-                  "rot_3", "density"});
+    const std::vector<std::string> known = gaussian_properties(true, fields);
     if (header.format != Format::little_endian)
         fail(file, fmt::format("format '{}', expected binary_little_endian",
                                kFormats[static_cast<std::size_t>(header.format)]));
     for (const Property& property : header.elements[header.vertex].properties) {
-        if (!known.contains(property.name))
+        if (std::ranges::find(known, property.name) == known.end())
             fail(file, fmt::format("unknown property '{}'", property.name));
         if (property.type != Type::float32)
             fail(file, fmt::format("property '{}', expected float32", property.name));
@@ -386,12 +381,7 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
             "and vertices; radius: of a ball that holds all below, error: half the edge of its "
             "cell\n";
     text += fmt::format("element vertex {}\n", count);
-    for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
-        text += fmt::format("property float {}\n", name);
-    if (rotated)
-        for (int n = 0; n < 4; ++n) text += fmt::format("property float rot_{}\n", n);
-    text += "property float density\n";
-    for (const std::string& name : column_names(model.fields))
+    for (const std::string& name : gaussian_properties(rotated, model.fields))
         text += "property float " + name + "\n";
     text += node_header(hierarchy) + "end_header\n";
     const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));

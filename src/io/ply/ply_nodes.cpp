@@ -9,6 +9,7 @@
 #include <ostream>
 
 #include "data/field_arrays.h"
+#include "vog/distributed.h"
 
 namespace vog::ply {
 
@@ -16,24 +17,27 @@ namespace {
 
 constexpr std::size_t kBlock = 1 << 16;
 
-std::size_t floats_per_node(bool axis_aligned) { return axis_aligned ? 9 : 13; }
-
 }  // namespace
 
+std::vector<std::string> gaussian_properties(bool rotated, const Fields& fields) {
+    std::vector<std::string> names{"x", "y", "z", "scale_0", "scale_1", "scale_2"};
+    if (rotated) names.insert(names.end(), {"rot_0", "rot_1", "rot_2", "rot_3"});
+    names.emplace_back("density");
+    for (std::string& name : column_names(fields)) names.push_back(std::move(name));
+    return names;
+}
+
 std::vector<std::string> node_properties(bool axis_aligned, const Fields& fields) {
-    std::vector<std::string> names = {"float x",       "float y",       "float z",
-                                      "float scale_0", "float scale_1", "float scale_2"};
-    if (!axis_aligned)
-        for (int n = 0; n < 4; ++n) names.push_back(fmt::format("float rot_{}", n));
-    names.emplace_back("float density");
-    for (const std::string& name : column_names(fields)) names.push_back("float " + name);
+    std::vector<std::string> names = gaussian_properties(!axis_aligned, fields);
+    for (std::string& name : names) name.insert(0, "float ");
     for (const char* name : {"float radius", "float error", "uchar nodes", "uchar vertices"})
         names.emplace_back(name);
     return names;
 }
 
 std::size_t bytes_per_node(bool axis_aligned, const Fields& fields) {
-    return (floats_per_node(axis_aligned) + columns_of(fields).size()) * sizeof(float) + 2;
+    constexpr std::size_t kRadiusAndError = 2, kCounts = 2;
+    return (ply_row_floats(!axis_aligned, fields) + kRadiusAndError) * sizeof(float) + kCounts;
 }
 
 std::string node_header(const Hierarchy& hierarchy) {

@@ -10,6 +10,8 @@
 
 namespace vog::ply {
 
+/// Names of the floats of a Gaussian, in the order of its row.
+std::vector<std::string> gaussian_properties(bool rotated, const Fields& fields);
 /// Header lines, "element node N" first; empty for an empty hierarchy.
 std::string node_header(const Hierarchy& hierarchy);
 /// Type and name of each property, as in header lines after "property ": "float x", ...
