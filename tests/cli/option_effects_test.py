@@ -43,7 +43,7 @@ VALUES = {
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
     "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--ui-scale": "2", "--variance-threshold": "0.3",
     "--opacity-threshold": "0.2", "--minimum-radius": "2", "--host": "0.0.0.0", "--allow-origin": "https://example.org", "--tf": "viridis", "--stop-transmittance": "0.5",
-    "--title": "T", "--hits-per-slab": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
+    "--title": "T", "--hits-per-slab": "1", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
     "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
 }
