@@ -143,7 +143,7 @@ class Study:
         return [scene.render(camera, self.size) for camera in self.cameras], colored
 
     def voxel_error(self, other):
-        """Relative L2, PSNR over the largest density, mean and worst difference, as vog::voxel_error has them."""
+        """Relative L2, PSNR over the largest density, mean and worst difference, as `vog evaluate --voxels` has them."""
         corners = np.array([self.volume.index_box, other.index_box])
         first = corners[:, 0].min(0)
         a, b = (v.to_numpy(first, corners[:, 1].max(0) - first + 1).astype(float) for v in (self.volume, other))
@@ -155,12 +155,11 @@ class Study:
     def row(self, series, step, file, read, by_value=True, **facts):
         """Row of a file and of `read`, which was read from it."""
         depth, colored = self.pictures(read, by_value)
-        of_views = lambda figures: dict(zip(VIEWS, figures))
         voxels = vog.voxelize(read, like=self.volume) if isinstance(read, vog.Gaussians) else read
         row = {"series": series, "step": step, "file": f"files/{file.name}", "bytes": file.stat().st_size, "side_bytes": 0, "gaussians": 0}
         row |= {"tolerance": 0, **facts, "mass_ratio": read.mass / self.volume.mass, "voxels": self.voxel_error(voxels)}
-        row["psnr_v_db"] = of_views([vog.compare(a, b).grey.psnr_db for a, b in zip(self.depth, depth)])
-        row["psnr_rgb_db"] = {f: of_views([vog.compare(a, b).psnr_db for a, b in zip(self.colored[f], colored[f])]) for f in colored}
+        row["psnr_v_db"] = {view: vog.compare(a, b).grey.psnr_db for view, a, b in zip(VIEWS, self.depth, depth)}
+        row["psnr_rgb_db"] = {f: {view: vog.compare(a, b).psnr_db for view, a, b in zip(VIEWS, self.colored[f], colored[f])} for f in colored}
         return row
 
     def add(self, row):
@@ -240,8 +239,8 @@ def markdown(study, title, series, missing, plots):
     by_figure = lambda *columns: [(name, db) for name, figures in columns for db in figures]
     tables = [by_figure(("V mean", (36, 40, 43, 46, 48, 51)), ("V worst", (36, 40, 46)), ("ramp mean", [38]), ("bands mean", [34]), ("step mean", [34]))]
     tables += [by_figure(("V axes", (40, 46, 51)), ("V paper", (40, 46, 51)), ("voxels", (20, 25, 30, 35, 40, 50)))]
-    text = f"# Bytes and error of {title}\n\n{study.volume.active_voxels:,} active voxels; pictures of {study.size}² pixels from `paper` and"
-    text += " both directions of the three axes. Every file was read back.\n" + "".join(f"\n{line}\n" for line in missing)
+    text = f"# Bytes and error of {title}\n\n{study.volume.active_voxels:,} active voxels, pictures of {study.size}² pixels\n"
+    text += "".join(f"\n{line}\n" for line in missing)
     text += "\n## Bytes at equal error\n" + "".join(equal_error_table(series, columns) for columns in tables)
     text += "\n" + "".join(f"![{plot}]({plot})\n" for plot in plots) + "\n## Files\n"
     names = sorted({name for row in study.rows for name in figures(row)}, key=lambda name: name[0] != "V")
