@@ -35,6 +35,7 @@ std::vector<Conversion> conversions(const Ranks& ranks) {
             options.collective = collective;
             return convert_moments(volume, options);
         };
+        row.moments = {};  // uniform cells follow no field
         rows.push_back(std::move(row));
     }
     return rows;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/convert_moments.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/progress.h"
@@ -40,8 +41,9 @@ struct Conversion {
     std::function<Gaussians(const Volume&, std::size_t budget)> convert;
     /// Series and step of an earlier row whose count of Gaussians is the budget. Empty: no budget.
     std::string budget_series{}, budget_step{};
-    /// Converts the levels of an adaptive mesh as one model. Empty: `convert` for each part.
-    std::function<Gaussians(const Composite&, std::size_t budget)> convert_levels{};
+    /// Options of convert_moments, for the levels of a mesh and for cuts that follow the fields of an evaluation. Empty: `convert`
+    /// for each volume or part.
+    std::function<MomentOptions(std::size_t budget)> moments{};
     /// Finished model of the data, in place of a conversion. Null: `convert`.
     std::shared_ptr<const Gaussians> model{};
 };

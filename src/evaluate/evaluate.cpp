@@ -111,6 +111,12 @@ class Run {
         if (options.read_fields) {
             fields_ = FieldComparison(volumes_, box_, evaluation_.views, options);
             evaluation_.fields = fields_.names();
+            // Tiles are divided where a field varies.
+            volumes_ = fields_.volumes();
+            if (data.is_mesh()) {
+                mesh_.parts.assign(volumes_.begin(), volumes_.end());
+                volumes_ = mesh_.parts;
+            }
         }
         if (options.voxels && ((!data.is_mesh() && volumes_.size() != 1) || options.collective))
             throw Error(
@@ -239,8 +245,9 @@ class Run {
     /// Converts all volumes to one model; several volumes share the budget by active voxels.
     Gaussians converted(const Conversion& conversion, std::size_t budget) const {
         if (conversion.model) return *conversion.model;
-        if (data_.is_mesh() && conversion.convert_levels)
-            return conversion.convert_levels(mesh_, budget);
+        if (data_.is_mesh() && conversion.moments)
+            return fields_.empty() ? convert_moments(mesh_, conversion.moments(budget))
+                                   : fields_.convert(mesh_, conversion.moments(budget));
         std::uint64_t all_voxels = 0;
         for (const Volume& volume : volumes_) all_voxels += active_voxels(volume);
         Gaussians model;
@@ -248,7 +255,11 @@ class Run {
             const double share = static_cast<double>(active_voxels(volume)) /
                                  static_cast<double>(std::max<std::uint64_t>(all_voxels, 1));
             const auto part_budget = static_cast<std::size_t>(static_cast<double>(budget) * share);
-            Gaussians part = conversion.convert(volume, part_budget);
+            Gaussians part =
+                conversion.moments && !fields_.empty()
+                    ? fields_.convert(static_cast<std::size_t>(&volume - volumes_.data()),
+                                      conversion.moments(part_budget))
+                    : conversion.convert(volume, part_budget);
             if (model.size() == 0)
                 model = std::move(part);
             else
@@ -279,7 +290,7 @@ class Run {
         row.aabb_sigma = conversion.aabb_sigma;
         const Gaussians model = convert(conversion, row.convert);
         row.options = fmt::format("--method {} {}", model.method, model.options);
-        describe(model, row);
+        describe(model, conversion, row);
         PictureRenderer renderer(scene_in(box_, model, options_.collective));
         for (std::size_t n = 0; n < evaluation_.views.size(); ++n) {
             Timing timing;
@@ -292,7 +303,7 @@ class Run {
             advance(1);
         }
         if (conversion.aabb_sigma > 0) return row;  // boxes are of T
-        fields_.compare(model, row);
+        fields_.compare(model, row, conversion.moments && !fields_.empty());
         if (by_value_) row.values = by_value_->compare(model);
         if (options_.voxels)
             row.voxels =
@@ -304,7 +315,7 @@ class Run {
     }
 
     /// Counts, bytes and mass of a model, of which each process has a part.
-    void describe(const Gaussians& model, EvaluationRow& row) const {
+    void describe(const Gaussians& model, const Conversion& conversion, EvaluationRow& row) const {
         row.gaussians = model.size();
         allreduce_sum(processes_, row.gaussians);
         double rotated = model.axis_aligned() ? 0 : 1;  // an empty part is axis-aligned
@@ -314,7 +325,8 @@ class Run {
         about.source = model.source;
         about.method = model.method, about.options = model.options;
         about.summary = model.summary, about.source_voxels = model.source_voxels;
-        about.fields = empty_fields(model.fields);
+        // Rows made here are of T; fields are added to measure them.
+        if (conversion.model) about.fields = empty_fields(model.fields);
         if (processes_.shared()) about.source_voxels = evaluation_.active_voxels;
         row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
                     row.gaussians * ply_row_floats(rotated > 0, about.fields) * sizeof(float);

@@ -71,9 +71,7 @@ std::vector<Conversion> moment_conversions() {
         row.convert = [options_of](const Volume& volume, std::size_t budget) {
             return convert_moments(volume, options_of(budget));
         };
-        row.convert_levels = [options_of](const Composite& data, std::size_t budget) {
-            return convert_moments(data, options_of(budget));
-        };
+        row.moments = options_of;
         return conversions.emplace_back(std::move(row));
     };
     const int blocks[] = {2, 4, 8, 16};

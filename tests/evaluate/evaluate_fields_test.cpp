@@ -5,6 +5,7 @@
 
 #include "evaluate/evaluation_json.h"
 #include "support/command.h"
+#include "vog/convert_fields.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
 #include "vog/sample.h"
@@ -54,6 +55,33 @@ EvaluateOptions options_with_fields() {
 }  // namespace
 
 class evaluate_fields : public CommandLine {};
+
+TEST_F(evaluate_fields, rows_of_adaptive_cuts_are_the_models_of_convert_with_fields) {
+    std::vector<Volume> volumes{sample_cloud({.size = 64})};
+    EvaluateOptions options = options_with_fields();
+    // A front in a field that the density knows nothing of.
+    options.read_fields = [](std::vector<Volume>& of) {
+        std::vector<std::vector<VoxelField>> fields = fields_at(of);
+        fields.pop_back();
+        for (auto& leaf : fields[0][0].component[0].leaf)
+            for (float& value : leaf) value = value > 310 ? 1000.0f : 0.0f;
+        return fields;
+    };
+    options.conversions = moment_conversions();
+    std::erase_if(options.conversions, [](const Conversion& row) { return row.step != "default"; });
+    ASSERT_EQ(options.conversions.size(), 1u);
+    options.conversions[0].moments = [](std::size_t) { return MomentOptions{.budget = 500}; };
+    const EvaluationRow row = evaluate(volumes, dir_ / "out", options).rows.at(0);
+    const auto fields = options.read_fields(volumes);
+    const Gaussians model = convert_for_field(volumes[0], fields, {.budget = 500}, {});
+    EXPECT_EQ(row.gaussians, model.size());
+    EXPECT_EQ(row.options, "--method " + model.method + " " + model.options);
+    EvaluateOptions blind = options;
+    blind.conversions = {
+        model_row("blind", convert_moments(volumes[0], MomentOptions{.budget = 500}))};
+    const EvaluationRow other = evaluate(volumes, dir_ / "blind", blind).rows.at(0);
+    EXPECT_LT(row.views[0].fields[0].mean_l2, other.views[0].fields[0].mean_l2);
+}
 
 TEST_F(evaluate_fields, has_their_errors_in_every_file) {
     const VolumeSet volumes{{{sample_cloud({.size = 64})}, {}}, Overlap::add};

@@ -53,11 +53,23 @@ std::vector<FieldMaps> FieldComparison::maps_of(Scene scene, const std::string& 
     return maps;
 }
 
-void FieldComparison::compare(const Gaussians& model, EvaluationRow& row) const {
+Gaussians FieldComparison::convert(std::size_t volume, const MomentOptions& moments) const {
+    std::vector<std::vector<VoxelField>> own;
+    for (const std::vector<VoxelField>& field : fields_) own.push_back({field[volume]});
+    return convert_for_field(volumes_->volumes[volume], own, moments, {});
+}
+
+Gaussians FieldComparison::convert(const Composite& mesh, const MomentOptions& moments) const {
+    return convert_for_field(mesh, fields_, moments, {});
+}
+
+void FieldComparison::compare(const Gaussians& model, EvaluationRow& row, bool made_here) const {
     if (fields_.empty()) return;
     Gaussians with_fields = model;
-    with_fields.fields = {};
-    add_fields(with_fields, volumes_->volumes, fields_);
+    if (!made_here) {
+        with_fields.fields = {};
+        add_fields(with_fields, volumes_->volumes, fields_);
+    }
     for (std::size_t f = 0; f < fields_.size(); ++f) {
         const std::vector<FieldMaps> maps =
             maps_of(scene_in(model.box, with_fields), fields_[f].front().name);

@@ -21,9 +21,15 @@ class FieldComparison {
     FieldComparison(std::span<const Volume> volumes, const Box& box,
                     std::span<const EvaluationView> views, const EvaluateOptions& options);
 
+    bool empty() const { return fields_.empty(); }
     std::vector<std::string> names() const;
-    /// Adds the fields to a copy of the model and compares its maps in every view of the row.
-    void compare(const Gaussians& model, EvaluationRow& row) const;
+    std::span<const Volume> volumes() const { return volumes_->volumes; }
+    /// Converts a volume, or the mesh whose parts the volumes are, by cuts that follow the fields. The model has them.
+    Gaussians convert(std::size_t volume, const MomentOptions& moments) const;
+    Gaussians convert(const Composite& mesh, const MomentOptions& moments) const;
+    /// Compares the maps of the model's fields in every view of the row. A model that is not of `convert` gets them first.
+    /// made_here  the model is one of `convert`
+    void compare(const Gaussians& model, EvaluationRow& row, bool made_here) const;
 
   private:
     /// Maps of a field of a scene, [views].
