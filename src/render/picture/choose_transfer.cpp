@@ -140,6 +140,8 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
     bool is_ramp = false;
     if (request.window) {
         chosen.transfer = window_transfer(request.window->first, request.window->second, unit);
+        const std::vector<ValueColor>& ends = chosen.transfer.color;
+        chosen.scale = {Kind::linear, ends.front().value, ends.back().value};
     } else if (!request.bands.empty()) {
         chosen.transfer = band_transfer(request.bands, unit);
     } else {

@@ -144,7 +144,8 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
                                   ? quantity_label(show, made.field.field, made.unit)
                                   : with_unit(made.name, made.unit);
     Annotation around{marks.title, label, marks.color_bar};
-    if (marks.color_bar)
+    // Axes have the coordinates already.
+    if (marks.color_bar && !marks.axes)
         around.sides =
             side_ticks(made.camera(), picture.image.width, picture.image.height, scene.length_unit);
     picture.image = annotated(picture.image, colors, picture.scale, around, background);

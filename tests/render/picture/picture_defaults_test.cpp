@@ -153,6 +153,8 @@ TEST(picture_defaults, requests_keep_what_they_state) {
     request = {};
     request.window.emplace(1, 0.5);
     EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance, 0.03);  // diagonal 3
+    EXPECT_EQ(choose_transfer(request, data).scale.low, 0.75) << "of a colour bar: the window";
+    EXPECT_EQ(choose_transfer(request, data).scale.high, 1.25);
     request.bands = {{0, 1, 1, 1, 1, 0.5}};
     EXPECT_THROW((void)choose_transfer(request, data), Error);
     request.window.reset();
@@ -161,6 +163,21 @@ TEST(picture_defaults, requests_keep_what_they_state) {
     EXPECT_THROW((void)choose_transfer(request, data), Error);
     request.may_be_empty = true;
     EXPECT_NO_THROW((void)choose_transfer(request, data));
+}
+
+TEST(picture_defaults, axes_have_the_coordinates_that_a_colour_bar_has_beside_it) {
+    const Scene scene = scene_of(Cube(1).volume);
+    PictureRequest request;
+    request.show = Show::column;
+    request.width = request.height = 96;
+    request.marks.color_bar = true;
+    request.camera = Camera{};
+    request.camera->eye = {3.5, 3.5, 20}, request.camera->look_at = {3.5, 3.5, 3.5};
+    const int perspective = render(scene, request).image.width;
+    request.camera->orthographic_width = 12;
+    EXPECT_GT(render(scene, request).image.width, perspective) << "coordinates at the left";
+    request.marks.axes = true;
+    EXPECT_EQ(render(scene, request).image.width, perspective) << "those of the axes alone";
 }
 
 TEST(picture_defaults, data_without_extent_mass_or_range_have_one) {
