@@ -112,10 +112,6 @@ bool has_fields(const EvaluationRow& row) {
     });
 }
 
-std::string decibel_text(double decibels) {
-    return std::isinf(decibels) ? "∞" : fmt::format("{:.2f}", decibels);
-}
-
 void write_csv(const std::filesystem::path& file, const Evaluation& evaluation) {
     std::string text;
     for (const EvaluationRow& row : evaluation.rows) {

@@ -1,4 +1,4 @@
-// evaluation_report.h: results.csv, and words that the files of an evaluation share.
+// evaluation_report.h: results.csv, and facts that the files of an evaluation share.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,6 @@ namespace vog::evaluation {
 
 /// Whether all views of a row have results of fields.
 bool has_fields(const EvaluationRow& row);
-/// Two digits after the point: "44.21"; infinity is "∞".
-std::string decibel_text(double decibels);
 
 /// Writes results.csv: a line for each row, with figures from the view `paper`, their mean and their worst over the views.
 void write_csv(const std::filesystem::path& file, const Evaluation& evaluation);

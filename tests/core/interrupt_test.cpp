@@ -107,7 +107,8 @@ TEST(interrupt, leaves_no_file_half_written) {
         },
         0);
     EvaluateOptions options{.width = 32, .height = 32, .repeats = 1};
-    EXPECT_THROW((void)evaluate(std::span(&cloud(), 1), dir / "out", options), Stop);
+    const VolumeSet volumes{{{cloud()}, {}}, Overlap::add};
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Stop);
     for (const auto& entry : std::filesystem::recursive_directory_iterator(dir / ""))
         EXPECT_TRUE(entry.is_directory()) << entry.path();
 }
