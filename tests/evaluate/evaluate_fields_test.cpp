@@ -57,7 +57,8 @@ EvaluateOptions options_with_fields() {
 class evaluate_fields : public CommandLine {};
 
 TEST_F(evaluate_fields, rows_of_adaptive_cuts_are_the_models_of_convert_with_fields) {
-    std::vector<Volume> volumes{sample_cloud({.size = 64})};
+    VolumeSet data{{{sample_cloud({.size = 64})}, {}}, Overlap::add};
+    std::vector<Volume>& volumes = data.volumes;
     EvaluateOptions options = options_with_fields();
     // A front in a field that the density knows nothing of.
     options.read_fields = [](std::vector<Volume>& of) {
@@ -71,7 +72,7 @@ TEST_F(evaluate_fields, rows_of_adaptive_cuts_are_the_models_of_convert_with_fie
     std::erase_if(options.conversions, [](const Conversion& row) { return row.step != "default"; });
     ASSERT_EQ(options.conversions.size(), 1u);
     options.conversions[0].moments = [](std::size_t) { return MomentOptions{.budget = 500}; };
-    const EvaluationRow row = evaluate(volumes, dir_ / "out", options).rows.at(0);
+    const EvaluationRow row = evaluate(data, dir_ / "out", options).rows.at(0);
     const auto fields = options.read_fields(volumes);
     const Gaussians model = convert_for_field(volumes[0], fields, {.budget = 500}, {});
     EXPECT_EQ(row.gaussians, model.size());
@@ -79,7 +80,7 @@ TEST_F(evaluate_fields, rows_of_adaptive_cuts_are_the_models_of_convert_with_fie
     EvaluateOptions blind = options;
     blind.conversions = {
         model_row("blind", convert_moments(volumes[0], MomentOptions{.budget = 500}))};
-    const EvaluationRow other = evaluate(volumes, dir_ / "blind", blind).rows.at(0);
+    const EvaluationRow other = evaluate(data, dir_ / "blind", blind).rows.at(0);
     EXPECT_LT(row.views[0].fields[0].mean_l2, other.views[0].fields[0].mean_l2);
 }
 

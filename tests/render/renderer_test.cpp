@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/picture/request_effects.h"
+#include "render/picture/request/request_effects.h"
 #include "support/refusal.h"
 #include "vog/picture_record.h"
 #include "vog/renderer.h"

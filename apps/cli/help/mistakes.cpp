@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <numeric>
 #include <sstream>
 
@@ -37,6 +38,10 @@ std::string unexpected_text(const CLI::App& app) {
     if (option == extras.end())
         return fmt::format("{}: unexpected argument '{}'", spoken(command), extras.front());
     const std::string word = option->substr(0, option->find('='));
+    const std::map<std::string, std::string> renamed = {{"--log", "--scale log"},
+                                                        {"--slab-hits", "--hits-per-slab"}};
+    if (const auto now = renamed.find(word); now != renamed.end())
+        return fmt::format("{}: no option {}, it is {}", spoken(command), word, now->second);
     const std::string near = nearest(word, option_words(command));
     if (!near.empty())
         return fmt::format("{}: no option {}; did you mean {}?", spoken(command), word, near);

@@ -1,4 +1,4 @@
-// page_quantity.h: what a page or the window shows first, from a request.
+// page_quantity.h: the first quantity of a page or a window, from a request.
 #pragma once
 
 #include <string>

@@ -68,6 +68,17 @@ void add_option(CLI::App& command, RequestWords& words, const RequestMember& mem
     }
 }
 
+/// throws  CLI::ValidationError naming the option; vog::Error for files of --tf
+void set_by_words(PictureRequest& request, const std::string& key,
+                  const std::vector<std::string>& words) try {
+    set_member(request, key, words);
+} catch (const RequestError& error) {
+    throw as_option(error);
+} catch (const Error& error) {
+    if (key == "tf") throw;
+    throw CLI::ValidationError(option_of(key) + ": " + error.what());
+}
+
 }  // namespace
 
 std::string RequestWords::word(const std::string& key, const std::string& otherwise) const {
@@ -75,11 +86,9 @@ std::string RequestWords::word(const std::string& key, const std::string& otherw
     return found == given.end() ? otherwise : found->second.back();
 }
 
-PictureRequest RequestWords::over(PictureRequest base) const try {
-    for (const auto& [key, words] : given) set_member(base, key, words);
+PictureRequest RequestWords::over(PictureRequest base) const {
+    for (const auto& [key, words] : given) set_by_words(base, key, words);
     return base;
-} catch (const RequestError& error) {
-    throw as_option(error);
 }
 
 void add_request_options(CLI::App& command, RequestWords& words) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/picture/request_effects.h"
+#include "render/picture/request/request_effects.h"
 #include "shade/values/unit_range.h"
 #include "vog/distributed.h"
 #include "vog/error.h"

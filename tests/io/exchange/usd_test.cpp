@@ -164,7 +164,9 @@ TEST(usd, files_cut_anywhere_are_refused) {
 TEST(usd, binary_layers_are_refused_with_the_line_that_makes_text_of_them) {
     const TempDir dir;
     for (const char* name : {"m.usdc", "m.usd"}) {
-        save(dir / name, std::string("PXR-USDC\0\x8", 10) + std::string(80, '\0'));
+        std::string layer = "PXR-USDC";
+        layer.resize(90, '\0');
+        save(dir / name, layer);
         const std::string file = (dir / name).string(), text = (dir / "m.usda").string();
         EXPECT_EQ(refusal([&] { read_model(dir / name); }),
                   file + ": OpenUSD's binary layer, expected one of text: usdcat " + file + " -o " +

@@ -112,13 +112,13 @@ TEST(picture_record, refuses_what_is_none_in_one_line) {
     expect("[1]", "expected a JSON object");
     expect("{", "not JSON");
     expect(R"({"shows": "T"})", "no member of a request, expected show, field");
-    expect(R"({"show": "mass"})", "show \"mass\": expected 'T'");
-    expect(R"({"size": [0, 4]})", "size [0,4]: expected pixels");
+    expect(R"({"show": "mass"})", "show mass: expected 'T'");
+    expect(R"({"size": [0, 4]})", "size 0,4: expected pixels");
     expect(R"({"size": [100000, 100000]})", "at most 2^28");
     expect(R"({"size": [1e300, 1]})", "expected pixels");
     expect(R"({"tf": "/etc/passwd"})", "/etc/passwd");
     expect(R"({"tf": {"colors": "nothing"}})", "colors");
-    expect(R"({"range": [2, 1]})", "the lower value first");
+    expect(R"({"range": [2, 1]})", "the first below the second");
     expect(R"({"window": [1, 0]})", "width above 0");
     expect(R"({"extinction": 0})", "above 0");
     expect(R"({"clip": [[1, 1, 1], [0, 0, 0]]})", "clip");

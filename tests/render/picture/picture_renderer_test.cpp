@@ -221,10 +221,11 @@ TEST_P(picture_renderer_models, draw_the_same_values_and_light_as_rays_in_exact_
     PictureRequest request =
         request_of(Show::volume, "temperature", views()[static_cast<std::size_t>(view)].camera,
                    cuts()[static_cast<std::size_t>(cut)].clip);
-    request.slabs = 256;
     request.transfer.unit_distance = 0.2;
     const auto picture_by = [&](Renderer one, Show show) {
         request.renderer = one;
+        request.slabs.reset();
+        if (one != Renderer::trace) request.slabs = 256;
         request.show = show;
         const ResolvedPicture picture = resolve(request, drawn.scene());
         Sums sums;

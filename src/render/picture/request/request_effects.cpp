@@ -1,7 +1,7 @@
 // request_effects.cpp: Members of a request that would change nothing are refused, by the table of members.
-#include "render/picture/request_effects.h"
+#include "render/picture/request/request_effects.h"
 
-#include "render/picture/request_member.h"
+#include "render/picture/request/request_member.h"
 #include "vog/picture_record.h"
 
 namespace vog {

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "io/camera_json.h"
-#include "render/picture/request_member.h"
+#include "render/picture/request/request_member.h"
 #include "shade/transfer_json.h"
 #include "vog/text.h"
 
@@ -56,7 +56,7 @@ Json bands_json(const std::vector<ValueBand>& bands) {
 /// Sorted bands; one without an upper end ends where the next one begins.
 void set_bands(const std::string& key, const Json& value, std::vector<ValueBand>& bands) {
     const std::string expected =
-        "rows of lower, upper, colour and opacity, or of a surface: its value and colour";
+        "lower, upper, colour and opacity of a band, or value and colour of a surface";
     bands.clear();
     if (value.is_null()) return;
     if (!value.is_array() || value.empty()) refuse(key, value, expected);

@@ -1,4 +1,4 @@
-// request_effects.h: what a renderer asks of a request.
+// request_effects.h: members of a request that a renderer has no use for.
 #pragma once
 
 #include <optional>

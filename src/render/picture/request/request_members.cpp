@@ -1,5 +1,5 @@
 // request_members.cpp: Table of the members of requests: keys, texts, what each changes, and values.
-#include "render/picture/request_member.h"
+#include "render/picture/request/request_member.h"
 #include "vog/shade.h"
 
 namespace vog {

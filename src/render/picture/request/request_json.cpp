@@ -2,7 +2,7 @@
 #include <charconv>
 
 #include "core/json_fault.h"
-#include "render/picture/request_member.h"
+#include "render/picture/request/request_member.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 #include "vog/text.h"
