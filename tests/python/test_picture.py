@@ -188,7 +188,7 @@ def test_recolor_refuses_what_is_to_be_drawn(gas):
         (light, {"tf": "jet"}, "recolor: .*draw it again"),
         (light, {"range": (0, 1)}, "recolor: .*draw it again"),
         (t, {"range": (0, 1)}, "recolor: range has no effect on show 'T'"),
-        (t, {"extinction": 0}, "recolor: extinction 0: expected a number above 0"),
+        (t, {"extinction": 0}, "recolor: extinction 0: expected auto or a number above 0"),
         (t, {"background": (1, 2, 3)}, "recolor: background"),
     ):
         with pytest.raises(vog.Error, match=message) as error:

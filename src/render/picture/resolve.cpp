@@ -174,7 +174,7 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     if (request.options.trace.stop_transmittance > 0 && !request.extinction)
         throw RequestError("stop_transmittance",
                            ": transmittance depends on the extinction, and 'auto' is known only "
-                           "after; expected a number as extinction");
+                           "after; expected `extinction` with a number");
     if (const auto& range = request.transfer.range;
         range && request.fit == ScaleFit::log && !(range->first > 0))
         throw RequestError("range", fmt::format(" {},{}: expected values above 0 with `scale` log",
