@@ -364,8 +364,8 @@ TEST_F(cli, options_of_another_renderer_are_refused) {
               "--extinction");
     must_fail(1, "render cloud.vdb -o a.png --renderer trace", "convert it first");
     must_fail(2, "render cloud.vdb -o a.png --renderer optix --anyhit collect", "not for voxels");
-    must_fail(2, "render cloud.ply -o a.png --interpolation linear", "expected reference");
-    must_fail(2, "render cloud.ply -o a.png --renderer trace --pixel-error 1", "expected splat");
+    must_fail(2, "render cloud.ply -o a.png --interpolation linear", "--renderer reference");
+    must_fail(2, "render cloud.ply -o a.png --renderer trace --pixel-error 1", "--renderer splat");
     must_fail(2, "render cloud.vdb -o a.png --pixel-error 1", "--renderer reference");
     must_fail(2, "render cloud.ply -o a.png --aabb-sigma 1 --pixel-error 1", "--aabb-sigma");
     must_fail(2, "render cloud.ply -o a.png --pixel-error -1", "--pixel-error");

@@ -100,6 +100,7 @@ TEST(interrupt, leaves_the_renderer_usable) {
 
 TEST(interrupt, leaves_no_file_half_written) {
     const test::TempDir dir;
+    const VolumeSet volumes{{{cloud()}, {}}, Overlap::add};
     int checks = 0;
     const InterruptCheck check(
         [&] {
@@ -107,7 +108,6 @@ TEST(interrupt, leaves_no_file_half_written) {
         },
         0);
     EvaluateOptions options{.width = 32, .height = 32, .repeats = 1};
-    const VolumeSet volumes{{{cloud()}, {}}, Overlap::add};
     EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Stop);
     for (const auto& entry : std::filesystem::recursive_directory_iterator(dir / ""))
         EXPECT_TRUE(entry.is_directory()) << entry.path();

@@ -148,7 +148,7 @@ def test_a_grid_of_the_volumes_file_by_name(tmp_path, volume):
     [
         (lambda v, m: vog.render(m, show="mean"), "expected field, the name of one"),
         (lambda v, m: vog.render(m, show="mean", field="p"), "no field 'p' in the model, expected one of"),
-        (lambda v, m: vog.render(m, show="mode"), """show "mode": expected 'T', 'column', 'mean'"""),
+        (lambda v, m: vog.render(m, show="mode"), "show mode: expected 'T', 'column', 'mean'"),
         (lambda v, m: vog.render(m, field="temperature"), "field has no effect on show 'T', expected mean"),
         (lambda v, m: vog.render(v, fields=FIELDS), "fields: expected field, the shown one"),
         (lambda v, m: vog.render(m, show="mean", field="temperature", extinction=2), "extinction has no effect on show 'mean'"),

@@ -55,7 +55,7 @@ TEST(renderers, members_of_requests_of_others_are_refused_in_one_line) {
     EXPECT_EQ(refused(Renderer::optix, volumes, R"({"anyhit": "collect"})"),
               "anyhit is for Gaussians, not for voxels");
     EXPECT_EQ(refused(Renderer::splat, gaussians, R"({"pixel_error": 1, "aabb_sigma": 2})"),
-              "pixel_error has no effect beside aabb_sigma");
+              "pixel_error has no effect beside `aabb_sigma`");
     EXPECT_EQ(refused(Renderer::reference, volumes, R"({"step": 0.5})"),
               "step needs interpolation 'linear'");
     EXPECT_EQ(refused(Renderer::reference, volumes, R"({"step": 0.5, "interpolation": "linear"})"),

@@ -89,7 +89,7 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
         options.trace.anyhit != AnyHit::collect)
         throw RequestError("hits_per_slab", " needs anyhit 'collect'");
     if (options.pixel_error && options.aabb_sigma > 0)
-        throw RequestError("pixel_error", " has no effect beside aabb_sigma");
+        throw RequestError("pixel_error", " has no effect beside `aabb_sigma`");
 }
 
 }  // namespace vog

@@ -131,7 +131,7 @@ void set_box(const std::string& key, const Json& value, Clipping& clip) {
     clip.box.reset();
     if (value.is_null()) return;
     std::vector<double> c;
-    if (value.is_array() && value.size() == 2) {
+    if (value.is_array() && value.size() == 2 && value[0].is_array()) {
         c = row(key, value[0], 3, expected);
         const std::vector<double> upper = row(key, value[1], 3, expected);
         c.insert(c.end(), upper.begin(), upper.end());
@@ -173,7 +173,7 @@ void set_transfer(const std::string& key, const Json& value, TransferPoints& poi
 /// [width, height], one number for a square, or "640x480".
 void set_size(const std::string& key, const Json& value, Request& r) {
     const std::string expected =
-        "pixels, WIDTHxHEIGHT or one number for a square, from 1, at most 2^28 in all";
+        "pixels, 640x480 or one number for a square, from 1, at most 2^28 in all";
     constexpr double kMostPixels = 1 << 28;
     Json sides = value.is_number() ? Json{value, value} : value;
     if (value.is_string()) {
