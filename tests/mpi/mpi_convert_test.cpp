@@ -171,6 +171,15 @@ TEST_F(mpi_convert, models_carry_their_own_values) {
     EXPECT_TRUE(read_ply(dir_ / "plain.ply").fields.empty());
 }
 
+TEST_F(mpi_convert, cuts_of_two_ranks_follow_a_field) {
+    must("sample fire f.vdb --size 64");
+    must_mpi(2, "convert f.vdb -o two.ply --budget 300 --field temperature");
+    must_mpi(2, "convert f.vdb -o blind.ply --budget 300 --no-fields");
+    const Gaussians two = read_ply(dir_ / "two.ply"), blind = read_ply(dir_ / "blind.ply");
+    EXPECT_NE(two.mean, blind.mean);
+    EXPECT_EQ(two.fields.names(), (std::vector<std::string>{"temperature", "density"}));
+}
+
 /// Leaves alone: the fields of divided tiles follow the Gaussians of a rank.
 TEST_F(mpi_convert, models_carry_other_grids_as_one_process_does) {
     must("sample cloud c.vdb --size 64");
