@@ -20,6 +20,7 @@ struct RequestMember {
     std::string shows{};      ///< quantities that it changes, "mean deviation"; empty: all
     std::string renderers{};  ///< renderers that have it, "trace optix"; empty: all
     bool many = false;        ///< a list of rows, each an option of its own
+    bool verbatim = false;    ///< any text, in which numbers and commas have no meaning
 };
 
 /// All members but the camera, in the order of a help.

@@ -137,7 +137,8 @@ def render(
     scale          'linear', 'log', of fields 'symmetric' about 0, or 'auto': linear, of volume log where values above 0 extend over a
                    decade and more
     window         of volume: (centre, width) of medical pictures, in place of tf
-    bands          of volume: rows (lower, upper, (r, g, b), opacity), in place of tf
+    bands          of volume: rows (lower, upper, colour, opacity) or, of a surface, (value, colour), in place of tf; colours
+                   are (r, g, b), '#rrggbb' or names
     threshold      of volume: nothing is shown below
     unit_distance  of volume: world length that opacities refer to; None: the file's; of window, bands and a tf with opacities a
                    hundredth of the box's diagonal; of a colour map the one at which the data, spread evenly over the silhouette of

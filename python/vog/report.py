@@ -20,7 +20,7 @@ _PAPER = {
     "sigma1": (25.70, 327, "868 K", ""), "sigma2": (22.00, 285, "868 K", ""), "sigma3": (19.23, 254, "868 K", ""),
 }  # fmt: skip
 _ABOUT = """From the view paper, or mean and worst over all views. V = 1 - exp(-T) is compared as 8-bit grey, over all pixels or those that the
-data cover; RGB under the transfer function. Frames per second are of T, without loading and shading. """
+data cover; RGB under the transfer function. Frames per second are those of drawing T, without loading and shading. """
 _ABOUT_PAPER = "The paper's figures: on a GeForce RTX 4090 Laptop GPU; it states no view, exposure, transfer function or resolution."
 _STYLE = """body { margin: 2rem auto; max-width: 80rem; padding: 0 1rem; font: 16px/1.5 system-ui, sans-serif; color: #1d2329 }
 table { border-collapse: collapse; font-size: .85rem; display: block; overflow-x: auto } th { color: #5b6670 }

@@ -6,8 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 #include "commands.h"
 #include "options/option_effects.h"
+#include "options/request_options.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
@@ -92,7 +95,8 @@ void compare_pictures(const CompareArguments& arguments) {
 /// Scales the reference's T to the extinction of --extinction; compare() scales the other image.
 void scale_to_extinction(const std::string& text, DepthImage& reference) {
     if (text == "stored") return;
-    set_extinction(reference, text == "auto" ? auto_extinction(reference) : parse_extinction(text));
+    const std::optional<double> given = RequestWords{{{"extinction", {text}}}}.over().extinction;
+    set_extinction(reference, given ? *given : auto_extinction(reference));
 }
 
 void compare_depths(const CompareArguments& arguments) {

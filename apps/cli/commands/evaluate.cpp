@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "fields/volume_fields.h"
 #include "options/option_effects.h"
+#include "options/request_options.h"
 #include "shared/evaluate_run.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
@@ -144,11 +145,11 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     if (std::filesystem::exists(arguments.folder) &&
         !std::filesystem::is_directory(arguments.folder))
         throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
-    const Size size = parse_size(arguments.size);
-    arguments.options.width = size.width;
-    arguments.options.height = size.height;
-    if (arguments.extinction != "auto")
-        arguments.options.extinction = parse_extinction(arguments.extinction);
+    const PictureRequest stated =
+        RequestWords{{{"size", {arguments.size}}, {"extinction", {arguments.extinction}}}}.over();
+    arguments.options.width = stated.width;
+    arguments.options.height = stated.height;
+    if (stated.extinction) arguments.options.extinction = *stated.extinction;
     const ThreadLimit limit(arguments.threads);
     if (!arguments.models.empty())
         arguments.options.conversions = model_rows(arguments.models, arguments.volume.values);

@@ -49,8 +49,7 @@ std::string field_grid(const WindowArguments& arguments) {
 }
 
 /// The first quantity, and the transfer functions of fields as they are shown.
-void set_quantity(viewer::ViewerOptions& options, const WindowArguments& arguments) {
-    const PictureRequest request = arguments.words.over();
+void set_quantity(viewer::ViewerOptions& options, const PictureRequest& request) {
     const HtmlQuantity stated = stated_quantity(request);
     options.quantity.show = show_named(stated.show);
     options.quantity.look = stated.look;
@@ -151,8 +150,8 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
 
     viewer::ViewerOptions options;
     options.files = arguments.inputs;
-    const Size size = parse_size(arguments.size);
-    options.size = {size.width, size.height};
+    const PictureRequest window = RequestWords{{{"size", {arguments.size}}}}.over();
+    options.size = {window.width, window.height};
     options.headless = arguments.headless;
     options.script = arguments.script;
     options.steps = arguments.steps;
@@ -162,7 +161,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     options.scale = arguments.resolution;
     options.ui_scale = arguments.ui_scale;
     // Throws for options that exclude each other.
-    const double aspect = double(size.width) / size.height;
+    const double aspect = double(window.width) / window.height;
     camera_from(arguments.view, command, {}, aspect);
     options.camera = [&, aspect](const Subject& subject) {
         const Camera camera = camera_from(arguments.view, command, subject, aspect);
@@ -173,7 +172,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     options.extinction = request.extinction.value_or(options.extinction);
     viewer::load_map(options.look, arguments.words.word("tf", default_map(request.show)));
     options.look.shading = request.shading;
-    set_quantity(options, arguments);
+    set_quantity(options, request);
     options.read = [&](const std::vector<std::string>& files) {
         return read_content(files, arguments);
     };

@@ -51,7 +51,7 @@ std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& v
         return {{fmt::format("vog render {} -o {} --show volume", file, png),
                  "a picture by value; --window CENTRE,WIDTH chooses values"},
                 {fmt::format("vog convert {} -o {} --measure volume", file, ply),
-                 "Gaussians that carry the values, which are of both signs"},
+                 "Gaussians that carry the values, positive and negative"},
                 {fmt::format("vog export {} -o {} --show volume", ply, html),
                  "then a page for a browser"},
                 {fmt::format("vog view {} --show volume", ply), "or a window"},

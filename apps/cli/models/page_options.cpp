@@ -43,8 +43,6 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
 PictureRequest page_request(const PageArguments& arguments) {
     RequestWords words = arguments.words;
     if (words.word("background") == "system") words.given.erase("background");
-    if (words.word("scale") == "symmetric")
-        throw CLI::ValidationError("--scale symmetric: a page has linear, log and auto");
     return words.over();
 }
 

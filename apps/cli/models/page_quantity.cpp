@@ -10,8 +10,9 @@
 namespace vog::cli {
 
 HtmlQuantity stated_quantity(const PictureRequest& request) {
-    if (is_field_map(request.show) && request.field.empty() && request.fit == ScaleFit::symmetric)
-        throw CLI::ValidationError("--scale symmetric: expected --field NAME");
+    if (request.fit == ScaleFit::symmetric)
+        throw CLI::ValidationError(
+            "--scale symmetric: a page or a window has linear, log and auto");
     HtmlQuantity quantity;
     quantity.show = word_of(request.show);
     quantity.field = request.field;

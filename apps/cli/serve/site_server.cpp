@@ -145,7 +145,7 @@ void set_up(httplib::Server& server, const SiteFolder& folder, const ServerOptio
         // Bodies of other methods are read by the library, before it finds no handler.
         if (request.method != "GET" && request.method != "HEAD" && !preflight)
             return httplib::Server::HandlerResponse::Unhandled;
-        // Ranges are of send_file(): cpp-httplib 0.11 applies them to refusals as well, and gives those that
+        // send_file() serves ranges: cpp-httplib 0.11 applies them to refusals as well, and gives those that
         // end beyond the file a wrong length.
         httplib::Ranges ranges =
             std::exchange(const_cast<httplib::Request&>(request).ranges, httplib::Ranges{});

@@ -354,55 +354,11 @@ Subject subject_of(const std::string& input, const VolumeInputOptions& volume,
     return subject_of(read_levels(std::span(&file, 1), level_options(volume)).volumes);
 }
 
-Size parse_size(const std::string& text) {
-    Size size;
-    const char *begin = text.data(), *end = begin + text.size();
-    const auto width = std::from_chars(begin, end, size.width);
-    bool good = width.ec == std::errc{};
-    if (good && width.ptr == end) {
-        size.height = size.width;
-    } else if (good && *width.ptr == 'x') {
-        const auto height = std::from_chars(width.ptr + 1, end, size.height);
-        good = height.ec == std::errc{} && height.ptr == end;
-    } else {
-        good = false;
-    }
-    if (!good || size.width < 1 || size.height < 1)
-        throw CLI::ValidationError(
-            fmt::format("--size {}: expected WxH or one number, in pixels, such as 640x480", text));
-    return size;
-}
-
-Rgba parse_background(const std::string& text) {
-    const auto c = parse_numbers(text);
-    try {
-        if (c.empty()) return named_background(text);
-    } catch (const Error&) {
-        // Reported below, with the other valid forms.
-    }
-    if (c.size() != 3 ||
-        !std::all_of(c.begin(), c.end(), [](double v) { return v >= 0 && v <= 1; }))
-        throw CLI::ValidationError(fmt::format(
-            "--background {}: expected R,G,B in [0, 1], black, white or transparent", text));
-    return {float(c[0]), float(c[1]), float(c[2]), 1};
-}
-
 Vec3d parse_vector(const std::string& option, const std::string& text) {
     const auto v = parse_numbers(text);
     if (v.size() != 3)
         throw CLI::ValidationError(fmt::format("{} {}: expected x,y,z", option, text));
     return {v[0], v[1], v[2]};
-}
-
-double parse_extinction(const std::string& text) {
-    try {
-        std::size_t used = 0;
-        const double value = std::stod(text, &used);
-        if (used == text.size() && value > 0 && std::isfinite(value)) return value;
-    } catch (const std::exception&) {
-    }
-    throw CLI::ValidationError(
-        fmt::format("--extinction {}: expected a number > 0 or 'auto'", text));
 }
 
 }  // namespace vog::cli

@@ -119,19 +119,9 @@ Subject subject_of(std::span<const Volume> volumes);
 Subject subject_of(const std::string& input, const VolumeInputOptions& volume,
                    const PointInputOptions& points);
 
-/// Size of a picture, pixels.
-struct Size {
-    int width = 512, height = 512;
-};
-/// Parses "640x480" or "512" (a square). throws CLI::ValidationError for other texts
-Size parse_size(const std::string& text);
 /// Finite numbers separated by commas; empty for other texts.
 std::vector<double> parse_numbers(const std::string& text);
-/// Parses "1,1,1", white, black or transparent. throws CLI::ValidationError for other texts
-Rgba parse_background(const std::string& text);
 /// Parses "x,y,z". throws CLI::ValidationError, with the name of the option, for other texts
 Vec3d parse_vector(const std::string& option, const std::string& text);
 
-/// Parses a number > 0; words such as auto are the caller's. throws CLI::ValidationError for others
-double parse_extinction(const std::string& text);
 }  // namespace vog::cli

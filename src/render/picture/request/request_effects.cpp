@@ -1,6 +1,9 @@
 // request_effects.cpp: Members of a request that would change nothing are refused, by the table of members.
 #include "render/picture/request/request_effects.h"
 
+#include <iterator>
+#include <sstream>
+
 #include "render/picture/request/request_member.h"
 #include "vog/picture_record.h"
 
@@ -9,13 +12,8 @@ namespace vog {
 namespace {
 
 std::vector<std::string> words_of(const std::string& text) {
-    std::vector<std::string> words;
-    for (std::size_t at = 0; at < text.size();) {
-        const std::size_t space = std::min(text.find(' ', at), text.size());
-        words.push_back(text.substr(at, space - at));
-        at = space + 1;
-    }
-    return words;
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
 }
 bool has(const std::string& words, const std::string& one) {
     return words.empty() || std::ranges::count(words_of(words), one) > 0;
@@ -29,30 +27,25 @@ std::string listed(const std::string& words) {
     return text;
 }
 
-/// Members that are not at their defaults.
-std::vector<const RequestMember*> stated_members(const PictureRequest& request) {
+/// Whether a member is not at its default.
+bool is_stated(const requests::Entry& entry, const PictureRequest& request) {
     static const PictureRequest unset;
-    std::vector<const RequestMember*> stated;
-    for (const requests::Entry& entry : requests::entries())
-        if (entry.values.write(request) != entry.values.write(unset))
-            stated.push_back(&entry.schema);
-    return stated;
+    return entry.values.write(request) != entry.values.write(unset);
 }
 
 }  // namespace
 
 void require_effects(const PictureRequest& request) {
     const std::string show = word_of(request.show);
-    const std::vector<const RequestMember*> stated = stated_members(request);
     const auto refuse_beside = [&](const char* key, const std::string& other) {
-        if (std::ranges::count(stated, std::string_view(key), &RequestMember::key))
+        if (is_stated(requests::entry_of(key), request))
             throw RequestError(key, " has no effect " + other);
     };
-    for (const RequestMember* member : stated)
-        if (!has(member->shows, show))
-            throw RequestError(member->key,
+    for (const requests::Entry& entry : requests::entries())
+        if (!has(entry.schema.shows, show) && is_stated(entry, request))
+            throw RequestError(entry.schema.key,
                                fmt::format(" has no effect on show '{}', expected {}", show,
-                                           fmt::join(words_of(member->shows), ", ")));
+                                           fmt::join(words_of(entry.schema.shows), ", ")));
     if (request.fit == ScaleFit::symmetric &&
         (is_depth(request.show) || request.show == Show::volume))
         refuse_beside("scale", fmt::format("as 'symmetric' on show '{}'", show));
@@ -72,15 +65,15 @@ void require_effects(const PictureRequest& request) {
 void require_renderer_effects(const PictureRequest& request, Renderer renderer,
                               std::optional<RenderInput> input) {
     const RenderOptions& options = request.options;
-    for (const RequestMember* member : stated_members(request)) {
-        if (!has(member->renderers, info_of(renderer).name))
-            throw RequestError(member->key,
-                               fmt::format(" is not for renderer '{}', expected {}",
-                                           info_of(renderer).name, listed(member->renderers)));
+    for (const requests::Entry& entry : requests::entries()) {
+        const std::string &key = entry.schema.key, &names = entry.schema.renderers;
+        if (!has(names, info_of(renderer).name) && is_stated(entry, request))
+            throw RequestError(key, fmt::format(" is not for renderer '{}', expected {}",
+                                                info_of(renderer).name, listed(names)));
         // Renderers of both models and voxels have members that are for models alone.
         if (input && *input != RenderInput::gaussians &&
-            !has(member->renderers, info_of(Renderer::reference).name))
-            throw RequestError(member->key, " is for Gaussians, not for voxels");
+            !has(names, info_of(Renderer::reference).name) && is_stated(entry, request))
+            throw RequestError(key, " is for Gaussians, not for voxels");
     }
     if (options.voxels.step_voxels != VoxelGridOptions{}.step_voxels &&
         options.voxels.interpolation != Interpolation::linear)

@@ -14,9 +14,8 @@ namespace requests {
 void refuse(const std::string& key, const Json& value, const std::string& expected) {
     const bool plain = value.is_array() && std::ranges::none_of(value, &Json::is_structured);
     std::string shown = value.is_string() ? value.get<std::string>() : value.dump();
-    if (plain) {  // as a command line has it
+    if (plain)  // as a command line has it
         std::erase_if(shown, [](char c) { return c == '[' || c == ']' || c == '"'; });
-    }
     throw RequestError(key, fmt::format(" {}: expected {}", printable(shown, 60), expected));
 }
 
@@ -107,7 +106,6 @@ void set_member(PictureRequest& request, const std::string& key,
                 const std::vector<std::string>& words) {
     using requests::Json;
     const requests::Entry& entry = requests::entry_of(key);
-    const bool is_text = entry.values.write(PictureRequest{}).is_string();
     if (key == "tf") {
         request.transfer.points = transfer_points(words.back());
     } else if (entry.schema.many) {
@@ -117,8 +115,8 @@ void set_member(PictureRequest& request, const std::string& key,
     } else if (entry.schema.takes.empty() && entry.schema.choices.empty()) {
         requests::read(entry, words.back() == "true", request);
     } else {
-        const bool as_text = is_text && key != "background";
-        requests::read(entry, as_text ? Json(words.back()) : requests::words_value(words.back()),
+        const std::string& word = words.back();
+        requests::read(entry, entry.schema.verbatim ? Json(word) : requests::words_value(word),
                        request);
     }
 }
