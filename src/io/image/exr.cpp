@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <exception>
 #include <fstream>
+#include <map>
 #include <new>
 #include <string>
 #include <vector>
@@ -43,22 +44,58 @@ std::string reason(const std::exception& error) {
     return text;
 }
 
-/// Checks the sizes of all header attributes against the size of the file: OpenEXR allocates the
-/// declared size, up to 2 GiB, before it reads. Layout: magic number, version, then name, type,
-/// size and value of each attribute, then an empty name.
-/// throws vog::Error for sizes beyond the end, several parts or deep pixels
+std::int32_t next_number(std::ifstream& stream) {  // little-endian
+    std::array<unsigned char, 4> bytes{};
+    stream.read(reinterpret_cast<char*>(bytes.data()), bytes.size());
+    return static_cast<std::int32_t>(bytes[0] | bytes[1] << 8 | bytes[2] << 16 |
+                                     static_cast<std::uint32_t>(bytes[3]) << 24);
+}
+
+/// Whether a value of this type can have `size` bytes, those that follow in the stream.
+bool fits_type(std::ifstream& stream, const std::string& type, std::int64_t size) {
+    static const std::map<std::string, std::int64_t> kBytes{
+        {"box2i", 16},      {"box2f", 16},   {"chromaticities", 32},
+        {"compression", 1}, {"double", 8},   {"envmap", 1},
+        {"float", 4},       {"int", 4},      {"keycode", 28},
+        {"lineOrder", 1},   {"m33f", 36},    {"m33d", 72},
+        {"m44f", 64},       {"m44d", 128},   {"rational", 8},
+        {"tiledesc", 9},    {"timecode", 8}, {"v2i", 8},
+        {"v2f", 8},         {"v2d", 16},     {"v3i", 12},
+        {"v3f", 12},        {"v3d", 24},     {"deepImageState", 1}};
+    if (const auto known = kBytes.find(type); known != kBytes.end()) return size == known->second;
+    const std::streamoff end = stream.tellg() + std::streamoff{size};
+    if (type == "chlist") {  // name, 16 bytes, ..., an empty name
+        std::string channel;
+        while (std::getline(stream, channel, '\0') && !channel.empty() && stream.tellg() < end)
+            stream.seekg(16, std::ios::cur);
+        return channel.empty() && stream.tellg() == end;
+    }
+    if (type == "preview") {  // width, height, 4 bytes a pixel
+        const std::int64_t width = next_number(stream), height = next_number(stream);
+        return width >= 0 && height >= 0 && size == 8 + 4 * width * height;
+    }
+    if (type == "stringvector") {  // length, text, ...
+        while (stream.tellg() < end) {
+            const std::int64_t length = next_number(stream);
+            if (length < 0 || length > end - stream.tellg()) return false;
+            stream.seekg(length, std::ios::cur);
+        }
+        return stream.tellg() == end;
+    }
+    return true;
+}
+
+/// Checks the sizes of all header attributes against their types and the size of the file: OpenEXR
+/// allocates what a size declares, up to 2 GiB, before it reads, and finds the next attribute where
+/// the value itself ends. Layout: magic number, version, then name, type, size and value of each
+/// attribute, then an empty name.
+/// throws vog::Error for other sizes, several parts or deep pixels
 void require_valid_header(const std::filesystem::path& file) {
     constexpr std::int32_t kDeepFlag = 0x800, kMultiPartFlag = 0x1000;
     const std::string name = file.string();
     std::ifstream stream(file, std::ios::binary);
-    const auto next_number = [&stream] {  // little-endian
-        std::array<unsigned char, 4> bytes{};
-        stream.read(reinterpret_cast<char*>(bytes.data()), bytes.size());
-        return static_cast<std::int32_t>(bytes[0] | bytes[1] << 8 | bytes[2] << 16 |
-                                         static_cast<std::uint32_t>(bytes[3]) << 24);
-    };
-    next_number();  // the magic number
-    const std::int32_t version = next_number();
+    next_number(stream);  // the magic number
+    const std::int32_t version = next_number(stream);
     if (version & (kDeepFlag | kMultiPartFlag))
         throw Error(fmt::format(
             "{}: an EXR of several parts or deep pixels, expected one flat image", name));
@@ -66,11 +103,18 @@ void require_valid_header(const std::filesystem::path& file) {
     std::string attribute, type;
     while (std::getline(stream, attribute, '\0') && !attribute.empty()) {
         std::getline(stream, type, '\0');
-        const std::int64_t size = next_number();
-        if (!stream || size < 0 || size > bytes - static_cast<std::int64_t>(stream.tellg()))
+        const std::int64_t size = next_number(stream);
+        const std::streamoff value = stream.tellg();
+        if (!stream || size < 0 || size > bytes - value)
             throw Error(fmt::format("{}: not a whole EXR image: attribute {} goes beyond the end",
                                     name, printable(attribute, 100)));
-        stream.seekg(size, std::ios::cur);
+        if (!fits_type(stream, type, size))
+            throw Error(
+                fmt::format("{}: not a whole EXR image: attribute {} of type '{}' cannot "
+                            "have {} bytes",
+                            name, printable(attribute, 100), printable(type, 40), size));
+        stream.clear();
+        stream.seekg(value + size);
     }
 }
 

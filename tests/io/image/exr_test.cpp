@@ -161,6 +161,26 @@ TEST(exr, attributes_larger_than_the_file_are_refused_before_memory_is_claimed) 
     expect_refused(exr.file(), read_any_depth, "attribute note goes beyond the end");
 }
 
+TEST(exr, attributes_of_another_size_than_their_type_are_refused) {
+    ExrBytes exr{{{"Y", kExrFloat}}, 1, 1, 0, 1, {floats({1})}, ""};
+    const std::string none(64, '\0');
+    for (const auto& [type, value] : std::vector<std::pair<std::string, std::string>>{
+             {"float", none},
+             {"chlist", "Z" + none},
+             {"chlist", std::string(16, 'Z')},
+             {"preview", little_endian(1 << 14) + little_endian(1 << 14)},
+             {"stringvector", little_endian(1 << 30)}}) {
+        exr.more = exr_attribute("note", type, value);
+        expect_refused(exr.file(), read_any_depth, "attribute note of type '" + type + "'");
+    }
+    exr.more =
+        exr_attribute("note", "preview", little_endian(1) + little_endian(1) + none.substr(0, 4));
+    exr.more += exr_attribute("names", "stringvector", little_endian(2) + "ab" + little_endian(0));
+    const TempDir dir;
+    write_bytes(dir / "t.exr", exr.file());
+    EXPECT_EQ(read_depth(dir / "t.exr").depth, std::vector<float>{1});
+}
+
 TEST(exr, several_parts_and_deep_pixels_are_refused) {
     for (const int flags : {0x08, 0x10}) {
         std::string bytes = ExrBytes{{{"Y", kExrFloat}}, 1, 1, 0, 1, {floats({1})}, ""}.file();
