@@ -101,7 +101,7 @@ def print_frame(vog, model, counts):
     for picture, (of_hit, of_ray, loaded) in FRAMES.items():
         moved = hits * loaded
         single = hits * sum(counts[name][1] for name in of_hit) + rays * counts[of_ray][1]
-        # Double operations of the intersection are of --aabb-sigma alone.
+        # Double operations of the intersection are of --set aabb-sigma alone.
         double = hits * counts[of_hit[1]][0] + rays * counts[of_ray][0]
         cells = [" , ".join(f"{1e3 * amount / rate:.2f}" for amount, rate in zip((moved, single, double), rates)).replace(" ,", ",")
                  + " ms" for rates in CARDS.values()]

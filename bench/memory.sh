@@ -35,7 +35,7 @@ echo "|---|---|---|---|---|---|---|---|"
 while read -r input memory cut; do
     read -r free_s free_mb <<<"$(convert "$input" $cut)"
     cp model.ply free.ply
-    read -r bound_s bound_mb <<<"$(convert "$input" $cut --memory "$memory" --scratch .)"
+    read -r bound_s bound_mb <<<"$(convert "$input" $cut --memory "$memory" --set scratch=.)"
     cmp model.ply free.ply >&2  # fails unless the models are the same bytes
     ratio=$(awk "BEGIN{printf \"%.2f\", $bound_s / $free_s}")
     echo "| \`$input\` | \`${cut:---error 0.03}\` | $free_s s | $free_mb MB | $memory | $bound_s s | $bound_mb MB | ${ratio}x |"

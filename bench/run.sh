@@ -60,8 +60,7 @@ else
     fi
     if command -v xvfb-run >/dev/null && /usr/bin/python3 -c 'import vtkmodules, pyopenvdb' 2>/dev/null; then
         echo "bench: VTK" >&2
-        "$build/apps/cli/vog" render "$data/smoke.vdb" --size 8 --depth-out "$results/x.exr" \
-            --save-camera "$results/camera" >/dev/null
+        "$build/apps/cli/vog" render "$data/smoke.vdb" --size 8 --depth-out "$results/x.exr" --json >"$results/camera"
         xvfb-run -a /usr/bin/python3 bench/vtk_render.py "$data/smoke.vdb" density "$results/camera" 1024 \
             >"$results/vtk.lines"
     else

@@ -3,7 +3,7 @@
 
 usage: xvfb-run -a bench/vtk_render.py VOLUME.vdb GRID CAMERA.json SIZE [PICTURE.png]
 
-CAMERA.json is a file of `vog render --save-camera`. Prints one JSON object: render_ms {min, median, max}
+CAMERA.json is the report of `vog render --json`. Prints one JSON object: render_ms {min, median, max}
 of 5 frames after a warm-up, without loading. The mapper takes one sample per voxel edge, interpolates,
 maps values to colour and opacity, composites front to back and stops at opaque pixels. The time includes
 its final copy to a window. Debian: python3-vtk9 python3-openvdb xvfb.

@@ -120,8 +120,8 @@ def main():
 
         model, camera = folder / "model.ply", folder / "camera.json"
         run("convert", path, "--grid", grid, "-o", model, "--budget", budget, "--no-hierarchy")
-        run("render", path, "--grid", grid, "-o", folder / "T.png", "--size", 16, "--view", "paper", "--save-camera", camera)
-        view = json.loads(camera.read_text(encoding="utf-8"))
+        camera.write_text(run("render", path, "--grid", grid, "-o", folder / "T.png", "--size", 16, "--view", "paper", "--json"), encoding="utf-8")
+        view = json.loads(camera.read_text(encoding="utf-8"))["camera"]
         radius = sum((a - b) ** 2 for a, b in zip(view["eye"], view["look_at"])) ** 0.5 / 3  # paper: three radii away
         vtk = Vtk(path, grid, camera)
 

@@ -146,7 +146,7 @@ frame         what a fitted picture holds: "content", the part of the data with 
 (True, True))")
         .def_static(
             "load", [](const std::filesystem::path& file) { return read_camera(file); },
-            py::arg("file"), "Reads a camera from JSON, as `vog render --save-camera` writes it.")
+            py::arg("file"), "Reads a camera from JSON, as Camera.save writes it.")
         .def(
             "save",
             [](const Camera& self, const std::filesystem::path& file) { write_camera(file, self); },

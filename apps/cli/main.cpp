@@ -1,19 +1,18 @@
 // main.cpp: the vog command. Exit codes: 0 success, 1 failure (one line on standard error), 2 wrong
 // usage.
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
 #include <new>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "commands.h"
-#include "help/help_text.h"
+#include "commands/commands.h"
 #include "help/mistakes.h"
 #include "help/version.h"
+#include "options/parser/command_line.h"
 #include "shared/terminal.h"
+#include "shared/usage_error.h"
 
 namespace {
 
@@ -24,17 +23,17 @@ bool is_like_a_file(const std::string& word) {
 }
 
 /// The first words: a command, files without one, or neither.
-/// throws  CLI::ValidationError for an unknown command
+/// throws  UsageError for an unknown command
 /// returns whether the words were files, which are shown now
-bool look_at_files(const CLI::App& app, const std::vector<std::string>& words) {
-    if (words.empty() || words.front().starts_with('-')) return false;
-    for (const CLI::App* command : vog::cli::commands_of(app))
-        if (command->get_name() == words.front()) return false;
+bool look_at_files(const vog::cli::ProgramText& program, const std::vector<std::string>& words) {
+    if (words.empty() || words.front().starts_with('-') ||
+        std::ranges::count(program.commands, words.front(), &vog::cli::CommandText::name))
+        return false;
     if (!is_like_a_file(words.front()))
-        throw CLI::ValidationError(vog::cli::unknown_command_text(app, words.front()));
+        throw vog::cli::UsageError(vog::cli::unknown_command_text(program, words.front()));
     for (const std::string& word : words)
         if (word.starts_with('-'))
-            throw CLI::ValidationError("option " + word + " without a command, expected vog " +
+            throw vog::cli::UsageError("option " + word + " without a command, expected vog " +
                                        "info, render, convert, ... " + words.front() + " " + word);
     vog::cli::look_at(words);
     return true;
@@ -46,16 +45,8 @@ void run(CLI::App& app, int argc, char** argv) {
         if (!words.empty()) words.erase(words.begin());
         words.emplace_back("--help");
     }
-    if (!look_at_files(app, words)) {
-        std::ranges::reverse(words);  // CLI11 takes the last word first
-        try {
-            app.parse(words);
-        } catch (const CLI::Success& text) {
-            std::ostringstream out;
-            app.exit(text, out, out);  // --help, --version
-            vog::cli::print_text(out.str());
-        }
-    }
+    if (!look_at_files(vog::cli::program_text(app), words))
+        vog::cli::print_text(vog::cli::run_command(app, words));
     vog::cli::finish_output();
 }
 
@@ -103,8 +94,8 @@ int main(int argc, char** argv) {
     try {
         run(app, argc, argv);
         return 0;
-    } catch (const CLI::ParseError& error) {
-        vog::cli::print_failure("vog", vog::cli::usage_text(app, error), 2);
+    } catch (const vog::cli::UsageError& error) {
+        vog::cli::print_failure("vog", error.what(), 2);
         return 2;
     } catch (const std::bad_alloc&) {
         vog::cli::print_failure("vog", "out of memory");

@@ -1,15 +1,16 @@
 // main.cpp: the vog-mpi command. Exit codes are those of vog, equal on every rank; the root prints.
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <new>
-#include <sstream>
+#include <string>
 
-#include "commands.h"
-#include "help/help_text.h"
+#include "commands/mpi_commands.h"
 #include "help/mistakes.h"
 #include "help/version.h"
+#include "options/parser/command_line.h"
 #include "ranks.h"
 #include "shared/terminal.h"
+#include "shared/usage_error.h"
 
 namespace {
 
@@ -19,17 +20,13 @@ using namespace vog::mpi;
 /// throws  Ended after a failure that all ranks know of already
 Failure run(CLI::App& app, const Ranks& ranks, int argc, char** argv) {
     try {
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::Success& text) {  // --help, --version
-            std::ostringstream out;
-            app.exit(text, out, out);
-            if (ranks.first()) vog::cli::print_text(out.str());
-        }
+        const std::string help =
+            vog::cli::run_command(app, {argv + std::min(argc, 1), argv + argc});
+        if (ranks.first()) vog::cli::print_text(help);
         vog::cli::finish_output();
         return {};
-    } catch (const CLI::ParseError& error) {
-        return {2, vog::cli::usage_text(app, error)};
+    } catch (const vog::cli::UsageError& error) {
+        return {2, error.what()};
     } catch (const std::bad_alloc&) {
         return {1, "out of memory"};
     } catch (const std::exception& error) {

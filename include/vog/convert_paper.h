@@ -54,7 +54,7 @@ struct PaperOptions {
     Progress progress{};  ///< called with the finished fraction; empty: not
 };
 
-/// Name of a strategy for `vog convert --strategy`: smart, strict, single, variance, neighbours,
+/// Name of a strategy for `vog convert --set strategy`: smart, strict, single, variance, neighbours,
 /// tree, in the order of the enumeration.
 std::string strategy_name(Strategy strategy);
 /// Strategy of such a name. throws vog::Error listing the names for an unknown one

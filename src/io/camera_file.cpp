@@ -70,6 +70,8 @@ Camera read_camera(const std::filesystem::path& file) {
     } catch (const nlohmann::json::exception& error) {
         throw Error(fmt::format("{}: not a camera file: {}", file.string(), json_fault(error)));
     }
+    // The report of `vog render --json`.
+    if (json.is_object() && json.contains("camera")) json = nlohmann::ordered_json(json["camera"]);
     return camera_of(json, file.string());
 }
 

@@ -19,7 +19,7 @@ TEST_F(cli, goes_from_nothing_to_a_picture) {
     must("sample cloud cloud.vdb --size 64");
     must("info cloud.vdb");
     const Result converted =
-        must("convert cloud.vdb -o cloud.ply --method paper --lod 3 --amplitude mass --json");
+        must("convert cloud.vdb -o cloud.ply --method paper --lod 3 --set amplitude=mass --json");
     const auto conversion = nlohmann::json::parse(converted.out);
     const Gaussians model = read_ply(dir_ / "cloud.ply");
     EXPECT_EQ(conversion["gaussians"], model.size());
@@ -57,22 +57,21 @@ TEST_F(cli, same_bytes_with_one_two_and_eight_threads) {
 TEST_F(cli, views_agree_however_they_are_given) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --method paper --lod 5");
-    must("render c.ply -o paper.png --size 40 --view paper --save-camera camera.json");
+    const std::string report = must("render c.ply -o paper.png --size 40 --view paper --json").out;
+    write("camera.json", report);
     must(
-        "render c.ply -o angles.png --size 40 --azimuth 34.37746770784939 --elevation "
-        "20.05352282957881 --distance 3 --frame data");
+        "render c.ply -o angles.png --size 40 --view 34.37746770784939,20.05352282957881 "
+        "--distance 3 --frame data");
     must("render c.ply -o file.png --size 40 --camera camera.json");
-    const auto camera = nlohmann::json::parse(read_text(dir_ / "camera.json"));
+    must("render c.ply -o picture.png --size 40 --camera paper.png");
+    const auto camera = nlohmann::json::parse(report)["camera"];
     const auto list = [&](const char* key) {
         const std::string text = camera[key].dump();
         return text.substr(1, text.size() - 2);
     };
     must("render c.ply -o eye.png --size 40 --eye=" + list("eye") +
          " --look-at=" + list("look_at") + " --fov " + camera["fov_degrees"].dump());
-    const auto report =
-        nlohmann::json::parse(must("render c.ply -o json.png --size 40 --view paper --json").out);
-    EXPECT_EQ(report["camera"], camera);
-    for (const char* other : {"angles.png", "file.png", "eye.png"})
+    for (const char* other : {"angles.png", "file.png", "picture.png", "eye.png"})
         expect_same_pixels("paper.png", other);
 }
 
@@ -85,8 +84,8 @@ TEST_F(cli, orthographic_views_combine_with_every_way_to_place_the_camera) {
     const auto fitted = camera_of("--orthographic");
     EXPECT_FALSE(fitted.contains("fov_degrees"));
     for (const char* options :
-         {"--view +x", "--view -z --up z", "--azimuth 20 --elevation -30", "--distance 2",
-          "--eye 1,2,3", "--eye 1,2,3 --look-at 0,0.1,0 --up z --roll 30"}) {
+         {"--view +x", "--view -z --up z", "--view 20,-30", "--distance 2", "--eye 1,2,3",
+          "--eye 1,2,3 --look-at 0,0.1,0 --up z --set roll=30"}) {
         SCOPED_TRACE(options);
         const auto own = camera_of(std::string(options) + " --orthographic");
         EXPECT_GT(own["orthographic_width"].get<double>(), 0);
@@ -94,11 +93,11 @@ TEST_F(cli, orthographic_views_combine_with_every_way_to_place_the_camera) {
         EXPECT_EQ(wide["orthographic_width"], 0.7);
         EXPECT_EQ(wide["eye"], own["eye"]);
     }
-    must("render c.vdb -o c.png --size 40 --orthographic --width 0.3 --save-camera o.json");
-    EXPECT_EQ(camera_of("--camera o.json")["orthographic_width"], 0.3);
-    EXPECT_EQ(camera_of("--camera o.json --width 0.4")["orthographic_width"], 0.4);
+    must("render c.vdb -o o.png --size 40 --orthographic --width 0.3");
+    EXPECT_EQ(camera_of("--camera o.png")["orthographic_width"], 0.3);
+    EXPECT_EQ(camera_of("--camera o.png --width 0.4")["orthographic_width"], 0.4);
     for (const char* options : {"--width 1", "--orthographic --fov 30", "--view +w", "--up 0,0,0",
-                                "--elevation 91", "--camera o.json --eye 1,2,3"}) {
+                                "--view 0,91", "--view 30", "--camera o.png --eye 1,2,3"}) {
         SCOPED_TRACE(options);
         EXPECT_EQ(run("render c.vdb -o c.png " + std::string(options)).exit_code, 2);
     }
@@ -135,7 +134,7 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     EXPECT_LE(few["gaussians"], 50);
     EXPECT_GT(few["measured_error"], 0);
     EXPECT_EQ(read_ply(dir_ / "few.ply").source, "p.csv count");
-    must("convert p.csv -o paper.ply --method paper --radius 0.5 --kappa 0.1");
+    must("convert p.csv -o paper.ply --method paper --radius 0.5 --set kappa=0.1");
     EXPECT_EQ(read_ply(dir_ / "paper.ply").size(), 500u);
 
     // Particles render like their model of one Gaussian each.
@@ -162,7 +161,7 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     must_fail(1, "render p.csv -o a.png --renderer reference", "holds particles");
     must_fail(1, "evaluate p.csv -o out", "holds particles");
     must_fail(1, "convert p.csv p.ply -o a.ply", "another kind");
-    must_fail(2, "convert p.csv -o a.ply --strategy strict", "has no effect with");
+    must_fail(2, "convert p.csv -o a.ply --set strategy=strict", "has no effect with");
     must_fail(2, "convert p.csv -o a.ply --budget 5 --block 2", "exclude each other");
     must_fail(1, "render p.csv -o a.png --radius wide", "no value named 'wide'");
     must_fail(2, "render p.ply -o a.png --radius 2", "--radius has no effect with models");
@@ -179,7 +178,7 @@ TEST_F(cli, wrong_usage_is_exit_code_two) {
     must_fail(2, "sample cloud", "output");
     must_fail(2, "sample cloud c.vdb --size 63", "size");
     must_fail(2, "convert a.vdb -o a.ply --lod 6", "lod");
-    must_fail(2, "convert a.vdb -o a.ply --method paper --lod 1 --strategy strict", "exclude");
+    must_fail(2, "convert a.vdb -o a.ply --method paper --lod 1 --set strategy=strict", "exclude");
     must_fail(2, "render m.ply -o m.png --size 12y", "--size 12y");
     must_fail(2, "render m.ply -o m.png --background 1,2", "--background 1,2");
     must_fail(2, "render m.ply -o m.png --eye 1,2", "--eye: 1,2: expected x,y,z");
@@ -230,7 +229,8 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
     must("render amr.vdb --grid 'density_L*' --depth-out levels.exr --size 48 --extinction 5");
     must("render amr.vdb --grid density_L0 --depth-out coarse.exr --size 48 --extinction 5");
     must(
-        "render amr.vdb --grid 'density_L?' --sum --depth-out sum.exr --size 48 --extinction "
+        "render amr.vdb --grid 'density_L?' --combine sum --depth-out sum.exr --size 48 "
+        "--extinction "
         "5");
     const auto mean = [&](const std::string& name) {
         double sum = 0;
@@ -241,7 +241,7 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
     EXPECT_GT(mean("sum.exr"), 1.5 * mean("levels.exr"))
         << "no masks: the dense parts count thrice";
 
-    for (const std::string method : {"paper --amplitude mass", "moments --block 2"}) {
+    for (const std::string method : {"paper --set amplitude=mass", "moments --block 2"}) {
         must("convert amr.vdb --grid 'density_L*' -o m.ply --json --method " + method);
         must("render m.ply --depth-out model.exr --size 48 --extinction 5");
         EXPECT_NEAR(mean("model.exr") / mean("levels.exr"), 1, 0.01) << method;
@@ -262,7 +262,8 @@ TEST_F(cli, invalid_levels_are_refused) {
     must_fail(1, "render amr.vdb --grid 'density_L*' --mask 'm*' -o p.png", "no grid named 'm0'");
     must_fail(2, "render amr.vdb --grid 'density_L*' --mask m -o p.png", "expected a *");
     must_fail(2, "render amr.vdb --grid density_L0 --mask 'm*' -o p.png", "expected a *");
-    must_fail(2, "render amr.vdb --grid 'd*' --mask 'd*' --sum -o p.png", "exclude");
+    must_fail(2, "render amr.vdb --grid 'd*' --mask 'd*' --combine sum -o p.png",
+              "it works with --combine mesh");
 }
 
 TEST_F(cli, traces_the_picture_it_splats) {
@@ -271,10 +272,10 @@ TEST_F(cli, traces_the_picture_it_splats) {
     must("render cloud.ply --size 64 --extinction 1 --depth-out splat.exr");
     const DepthImage splat = read_depth(dir_ / "splat.exr");
     const float largest = *std::max_element(splat.depth.begin(), splat.depth.end());
-    for (const char* anyhit : {"accumulate", "collect --hits-per-slab 2"}) {
+    for (const char* anyhit : {"accumulate", "collect --set hits-per-slab=2"}) {
         const Result traced =
             must(std::string("render cloud.ply --size 64 --extinction 1 --renderer trace ") +
-                 "--depth-out trace.exr --json --anyhit " + anyhit);
+                 "--depth-out trace.exr --json --set anyhit=" + anyhit);
         const auto json = nlohmann::json::parse(traced.out);
         EXPECT_EQ(json["renderer"], "trace");
         EXPECT_GT(json["hits"], 0);
@@ -283,9 +284,9 @@ TEST_F(cli, traces_the_picture_it_splats) {
             // Near the size of a pixel both round the share of a Gaussian for themselves.
             ASSERT_NEAR(trace.depth[n], splat.depth[n], 3e-4f * largest) << "pixel " << n;
     }
-    must("render cloud.ply --kappa 0.1 --renderer trace --aabb-sigma 1 -o boxes.png");
+    must("render cloud.ply --set kappa=0.1 --renderer trace --set aabb-sigma=1 -o boxes.png");
     must(
-        "render cloud.ply --renderer trace --anyhit collect --stop-transmittance 0.001 "
+        "render cloud.ply --renderer trace --set anyhit=collect --set stop-transmittance=0.001 "
         "--extinction 100 -o early.png");
 }
 
@@ -308,8 +309,8 @@ TEST_F(cli, optix_draws_the_references_pictures_of_volumes_or_says_what_is_missi
     must("sample cloud cloud.vdb --size 64");
     const std::string levels = "amr.vdb --grid 'density_L*' ";
     for (const std::string& what :
-         {std::string("cloud.vdb --show volume --light head --clip-plane 1,0,0.2,0 --samples 2"),
-          levels + "--show volume", levels + "--show maximum --clip-plane 1,0,0.2,0",
+         {std::string("cloud.vdb --show volume --light head --clip 1,0,0.2,0 --samples 2"),
+          levels + "--show volume", levels + "--show maximum --clip 1,0,0.2,0",
           std::string("cloud.vdb --show mean --field density"),
           levels + "--show mean --field 'density=density_L*'",
           levels + "--clip 0,0,0,20,20,20 --extinction 1"}) {
@@ -345,7 +346,7 @@ TEST_F(cli, views_from_afar_draw_coarser_gaussians) {
     EXPECT_TRUE(cut("plain.ply --size 24").is_null());
     EXPECT_EQ(cut("plain.ply --size 24 --pixel-error 4")["drawn"].get<std::size_t>() < all, true);
     // A smaller kappa widens the supports: Gaussians outside the view must still not overlap it.
-    const std::string close = " --size 64 --fov 3 --kappa 0.001 -o ";
+    const std::string close = " --size 64 --fov 3 --set kappa=0.001 -o ";
     must("render cloud.ply --pixel-error 0" + close + "cut.png");
     must("render plain.ply" + close + "plain.png");
     expect_same_pixels("cut.png", "plain.png");
@@ -354,20 +355,22 @@ TEST_F(cli, views_from_afar_draw_coarser_gaussians) {
 TEST_F(cli, options_of_another_renderer_are_refused) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply");
-    must_fail(2, "render cloud.ply -o a.png --anyhit collect", "--renderer splat");
-    must_fail(2, "render cloud.vdb -o a.png --kappa 0.1", "--renderer reference");
-    must_fail(2, "render cloud.ply -o a.png --renderer trace --stop-transmittance 0.1",
-              "it works with --anyhit collect");
+    must_fail(2, "render cloud.ply -o a.png --set anyhit=collect", "--renderer splat");
+    must_fail(2, "render cloud.vdb -o a.png --set kappa=0.1", "--renderer reference");
+    must_fail(2, "render cloud.ply -o a.png --renderer trace --set stop-transmittance=0.1",
+              "it works with --set anyhit=collect");
     must_fail(2,
-              "render cloud.ply -o a.png --renderer trace --anyhit collect --stop-transmittance "
-              "0.1",
+              "render cloud.ply -o a.png --renderer trace --set anyhit=collect --set "
+              "stop-transmittance=0.1",
               "--extinction");
     must_fail(1, "render cloud.vdb -o a.png --renderer trace", "convert it first");
-    must_fail(2, "render cloud.vdb -o a.png --renderer optix --anyhit collect", "not for voxels");
+    must_fail(2, "render cloud.vdb -o a.png --renderer optix --set anyhit=collect",
+              "not for voxels");
     must_fail(2, "render cloud.ply -o a.png --interpolation linear", "--renderer reference");
     must_fail(2, "render cloud.ply -o a.png --renderer trace --pixel-error 1", "--renderer splat");
     must_fail(2, "render cloud.vdb -o a.png --pixel-error 1", "--renderer reference");
-    must_fail(2, "render cloud.ply -o a.png --aabb-sigma 1 --pixel-error 1", "--aabb-sigma");
+    must_fail(2, "render cloud.ply -o a.png --set aabb-sigma=1 --pixel-error 1",
+              "--set aabb-sigma");
     must_fail(2, "render cloud.ply -o a.png --pixel-error -1", "--pixel-error");
 }
 

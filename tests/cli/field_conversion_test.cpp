@@ -122,7 +122,7 @@ TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
         SCOPED_TRACE(chosen);
         const auto json = nlohmann::json::parse(
             must("convert cloud.vdb -o fitted.ply --block 8 --no-hierarchy --json --field "
-                 "heat.vdb:heat --joint-steps 1 --for " +
+                 "heat.vdb:heat --set joint-steps=1 --for " +
                  chosen)
                 .out);
         EXPECT_EQ(json["joint"]["field"], chosen);
@@ -157,18 +157,20 @@ TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
         EXPECT_EQ(refused.error.find("convert:"), std::string::npos) << refused.error;
         EXPECT_EQ(refused.error.find("octree"), std::string::npos) << refused.error;
     }
-    must("convert cloud.vdb -o m.ply --block 8 --joint-steps 1 --field heat.vdb --for heat");
+    must("convert cloud.vdb -o m.ply --block 8 --set joint-steps=1 --field heat.vdb --for heat");
     EXPECT_EQ(read_ply(dir_ / "m.ply").fields.names(),
               (std::vector<std::string>{"heat", "density"}));
     must(
-        "convert cloud.vdb -o m.ply --block 8 --measure volume --joint-steps 1 --field hu=density "
+        "convert cloud.vdb -o m.ply --block 8 --measure volume --set joint-steps=1 --field "
+        "hu=density "
         "--for volume");
     EXPECT_EQ(read_ply(dir_ / "m.ply").fields.names(), std::vector<std::string>{"hu"});
     must_fail(2, start + "--for volume --no-fields", "--no-fields and --for exclude each other");
     must_fail(2, "convert cloud.vdb -o m.ply --for volume --method paper",
               "--for has no effect with --method paper");
-    must_fail(2, start + "--for volume --spread 1.2", "--spread and --for exclude each other");
-    must_fail(2, start + "--joint-steps 3", "--joint-steps needs --for");
+    must_fail(2, start + "--for volume --set spread=1.2",
+              "--set spread and --for exclude each other");
+    must_fail(2, start + "--set joint-steps=3", "--set joint-steps needs --for");
     must("sample particles p.csv --size 8");
     must_fail(2, "convert p.csv -o m.ply --for volume", "--for has no effect with particles");
 }
@@ -211,12 +213,12 @@ TEST_F(field_conversion_command, levels_carry_their_own_values) {
     fine.world_from_index = {{{Vec3d{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}}, {-0.25, -0.25, -0.25}};
     const std::vector<Volume> levels{coarse, fine};
     write_vdb(dir_ / "amr.vdb", levels);
-    must("convert amr.vdb -o m.ply --grid 'density_L*' --mesh --block 4 --no-hierarchy");
+    must("convert amr.vdb -o m.ply --grid 'density_L*' --combine mesh --block 4 --no-hierarchy");
     const Gaussians model = read_ply(dir_ / "m.ply");
     ASSERT_EQ(model.fields.names(), std::vector<std::string>{"density"});
     EXPECT_EQ(model.fields.scalar[0].upper, own_field(fine).upper);
     must(
-        "convert amr.vdb -o T.ply --grid 'density_L*' --mesh --block 4 --no-hierarchy "
+        "convert amr.vdb -o T.ply --grid 'density_L*' --combine mesh --block 4 --no-hierarchy "
         "--field 'T=density_L*'");
     const Gaussians named = read_ply(dir_ / "T.ply");
     ASSERT_EQ(named.fields.names(), std::vector<std::string>{"T"});

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/usage_error.h"
 #include "support/data.h"
 #include "support/image_bytes.h"
 
@@ -26,7 +27,7 @@ class field_options : public testing::Test {
     static std::string refusal(const std::vector<std::string>& texts) {
         try {
             parse_fields(texts);
-        } catch (const CLI::ValidationError& error) {
+        } catch (const cli::UsageError& error) {
             EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
             return error.what();
         }

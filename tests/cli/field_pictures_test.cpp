@@ -20,7 +20,7 @@ TEST_F(field_pictures_command, clip_models_as_voxels) {
     const Box box = world_box(read_vdb(dir_ / "cloud.vdb"));
     const Vec3d c = box.center();
     const std::string clip =
-        " --clip-plane 0.3,1,-0.5," + std::to_string(0.3 * c.x + c.y - 0.5 * c.z) + " --size 48 ";
+        " --clip 0.3,1,-0.5," + std::to_string(0.3 * c.x + c.y - 0.5 * c.z) + " --size 48 ";
     for (const std::string view : {"", "--orthographic --view +y", "--view -x --renderer trace"}) {
         SCOPED_TRACE(view);
         const auto maps = [&](const std::string& input, const std::string& options) {

@@ -44,16 +44,16 @@ class films : public CommandLine {
 
 TEST_F(films, a_turn_is_the_pictures_of_its_cameras_under_one_extinction) {
     const auto turn = json(
-        "render models/step_1.ply -o turn/ --turntable 4 --size 32x24 --elevation 20 --distance 3")
-        ["pictures"];
+        "render models/step_1.ply -o turn/ --turntable 4 --size 32x24 --view "
+        "34.37746770784939,20 --distance 3")["pictures"];
     ASSERT_EQ(turn.size(), 4u);
     for (std::size_t n = 0; n < 4; ++n) {
         EXPECT_EQ(turn[n]["output"], fmt::format("turn/000{}.png", n + 1));
         EXPECT_EQ(turn[n]["extinction"], turn[0]["extinction"]);
         // The y axis is upright: a positive turn about it lowers the azimuth, which goes from x to z.
         must(
-            fmt::format("render models/step_1.ply -o one.png --size 32x24 --elevation 20 "
-                        "--distance 3 --azimuth={:.17g} --extinction {}",
+            fmt::format("render models/step_1.ply -o one.png --size 32x24 "
+                        "--distance 3 --view={:.17g},20 --extinction {}",
                         34.37746770784939 - 90 * double(n), turn[0]["extinction"].dump()));
         // The cameras differ by rounding, in the pictures' records.
         expect_same_pixels("one.png", turn[n]["output"]);
@@ -133,7 +133,8 @@ TEST_F(films, bad_requests_say_what_would_be_valid) {
     must_fail(2, "render models/step_1.ply -o one.png --turntable 4",
               "a name with a number (t_%04d.png) or a film");
     must_fail(2, "render models/step_1.ply -o t/ --turntable 0", "--turntable");
-    must_fail(2, "render models/step_1.ply -o t/ --turntable 2 --fps 10", "--fps has no effect");
+    must_fail(2, "render models/step_1.ply -o t/ --turntable 2 --set fps=10",
+              "--set fps has no effect");
     must_fail(2, "render models/step_1.ply -o film.mp4", "a film of one picture");
     must_fail(1, "render models/step_1.ply -o none/%d.png --turntable 2", "no folder 'none'");
     must_fail(1, "render models/step_1.ply -o %d.jpg --turntable 2", "expected .png or .exr");
@@ -149,7 +150,7 @@ TEST_F(films, a_film_is_its_pictures) {
     const std::string view = "render models/step_2.ply --turntable 5 --size 97x64 --tf gray ";
     must(view + "-o turn/");
     for (const std::string name : {"-a %d;$(touch x):b.mp4", "film.webm"}) {
-        const auto film = json(view + "--fps 10 '--output=" + name + "'");
+        const auto film = json(view + "--set fps=10 '--output=" + name + "'");
         EXPECT_EQ(film["film"]["pictures"], 5);
         EXPECT_EQ(film["film"]["seconds"], 0.5);
         EXPECT_EQ(film["film"]["bytes"], std::filesystem::file_size(dir_ / name));

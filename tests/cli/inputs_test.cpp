@@ -55,8 +55,8 @@ TEST_F(inputs, a_model_of_nothing_is_refused) {
     write_cube("faint.vdb", 0, 1e-30f);
     must_fail(1, "convert faint.vdb -o a.ply --method paper",
               "faint.vdb: no Gaussian: no group of voxels has a mean density above "
-              "--opacity-threshold 0.0001");
-    must("convert faint.vdb -o a.ply --method paper --opacity-threshold 0");
+              "--set opacity-threshold=0.0001");
+    must("convert faint.vdb -o a.ply --method paper --set opacity-threshold=0");
     must("convert faint.vdb -o a.ply");
 }
 
@@ -85,14 +85,16 @@ TEST_F(inputs, time_steps_are_never_taken_for_levels) {
          {"render 'step_*.vdb' -o a.png", "convert 'step_*.vdb' -o a.ply",
           "export 'step_*.vdb' -o a.html", "evaluate step_1.vdb step_2.vdb -o report"}) {
         must_fail(1, command, problem);
-        for (const char* choice : {"-o FOLDER/", "--sum", "--mesh"}) must_fail(1, command, choice);
+        for (const char* choice : {"-o FOLDER/", "--combine sum", "--combine mesh"})
+            must_fail(1, command, choice);
     }
     for (const char* file : {"a.png", "a.ply", "a.html", "report"})
         EXPECT_FALSE(std::filesystem::exists(dir_ / file)) << file;
     must("render 'step_*.vdb' -o pictures/ --size 16");
     EXPECT_TRUE(std::filesystem::exists(dir_ / "pictures/step_2.png"));
-    must_fail(2, "render 'step_*.vdb' -o a.png --sum --mesh", "exclude each other");
-    must_fail(2, "render step_1.vdb -o a.png --sum", "got one volume");
+    must_fail(2, "render 'step_*.vdb' -o a.png --combine sum --combine mesh",
+              "--combine: At Most 1");
+    must_fail(2, "render step_1.vdb -o a.png --combine sum", "got one volume");
 }
 
 TEST_F(inputs, volumes_add_up_or_hide_each_other_where_it_is_said) {
@@ -100,14 +102,15 @@ TEST_F(inputs, volumes_add_up_or_hide_each_other_where_it_is_said) {
     write_cube("b.vdb", 0, 0.9f);
     const std::string camera = "--eye 10,10,90 --look-at 9.5,9.5,9.5 ";
     const double a = mean_t("a.vdb " + camera), b = mean_t("b.vdb " + camera);
-    EXPECT_NEAR(mean_t("a.vdb b.vdb --sum " + camera), a + b, 1e-5 * (a + b));
-    EXPECT_NEAR(mean_t("b.vdb a.vdb --mesh " + camera), b, 1e-5 * b) << "the first counts";
-    const Result summed = must("render a.vdb b.vdb --sum -o s.png --size 16 --json");
-    EXPECT_EQ(Json::parse(summed.out)["notes"][0], "2 volumes add up (--sum)");
-    EXPECT_NE(summed.error.find("2 volumes add up (--sum)"), std::string::npos) << summed.error;
+    EXPECT_NEAR(mean_t("a.vdb b.vdb --combine sum " + camera), a + b, 1e-5 * (a + b));
+    EXPECT_NEAR(mean_t("b.vdb a.vdb --combine mesh " + camera), b, 1e-5 * b) << "the first counts";
+    const Result summed = must("render a.vdb b.vdb --combine sum -o s.png --size 16 --json");
+    EXPECT_EQ(Json::parse(summed.out)["notes"][0], "2 volumes add up (--combine sum)");
+    EXPECT_NE(summed.error.find("2 volumes add up (--combine sum)"), std::string::npos)
+        << summed.error;
     const auto converted =
-        Json::parse(must("convert a.vdb b.vdb --mesh --block 4 -o m.ply --json").out);
-    EXPECT_NE(converted["notes"][0].get<std::string>().find("(--mesh)"), std::string::npos);
+        Json::parse(must("convert a.vdb b.vdb --combine mesh --block 4 -o m.ply --json").out);
+    EXPECT_NE(converted["notes"][0].get<std::string>().find("(--combine mesh)"), std::string::npos);
 }
 
 TEST_F(inputs, parts_and_levels_are_found_and_said) {
@@ -117,7 +120,7 @@ TEST_F(inputs, parts_and_levels_are_found_and_said) {
     EXPECT_NE(parts.error.find("2 volumes are parts side by side"), std::string::npos);
     EXPECT_NE(Json::parse(parts.out)["notes"][0].get<std::string>().find("parts side by side"),
               std::string::npos);
-    EXPECT_NEAR(mean_t("left.vdb right.vdb"), mean_t("left.vdb right.vdb --sum"), 1e-6);
+    EXPECT_NEAR(mean_t("left.vdb right.vdb"), mean_t("left.vdb right.vdb --combine sum"), 1e-6);
     must("sample amr amr.vdb --size 64");
     const Result levels = must("render amr.vdb --grid 'density_L*' -o p.png --size 16 --json");
     EXPECT_EQ(Json::parse(levels.out)["notes"][0],
@@ -137,7 +140,7 @@ TEST_F(inputs, grids_of_different_names_are_different_quantities) {
     write_vdb(dir_ / "both.vdb", std::vector<Volume>{density, heat});
     must_fail(1, "render both.vdb --grid '*' -o a.png", "are different quantities");
     must_fail(1, "convert both.vdb --grid '*' -o a.ply", "--grid NAME");
-    must("render both.vdb --grid '*' --sum -o a.png --size 16");
+    must("render both.vdb --grid '*' --combine sum -o a.png --size 16");
 }
 
 TEST_F(inputs, steps_quantities_and_levels_of_real_data) {
@@ -174,16 +177,17 @@ TEST_F(inputs, options_without_effect_are_refused) {
     must("convert c.vdb -o c.ply --block 8");
     must("render c.ply -o a.png --size 16 --depth-out T.exr");
     write("p.xyz", "1 2 3\n4 5 6\n7 8 9\n");
-    must_fail(2, "render c.vdb -o a.png --step 0.5",
-              "--step has no effect with --interpolation constant");
-    must_fail(2, "render c.ply -o a.png --renderer trace --hits-per-slab 4", "--hits-per-slab");
+    must_fail(2, "render c.vdb -o a.png --set step=0.5",
+              "--set step has no effect with --interpolation constant");
+    must_fail(2, "render c.ply -o a.png --renderer trace --set hits-per-slab=4",
+              "--set hits-per-slab");
     must_fail(2, "compare a.png a.png --tf jet", "--tf has no effect with pictures");
     must_fail(2, "compare a.png a.png --extinction 2", "--extinction has no effect with pictures");
     must_fail(2, "render c.ply -o b.png --grid density", "--grid has no effect with models");
     must("export c.ply -o c.vogz");
     must_fail(2, "render c.vogz -o b.png --skip-nonfinite",
               "--skip-nonfinite has no effect with compact models");
-    must_fail(2, "export c.ply -o b.html --sum", "--sum has no effect with models");
+    must_fail(2, "export c.ply -o b.html --combine sum", "--combine has no effect with models");
     must_fail(2, "render p.xyz -o b.png --radius 1 --grid a",
               "--grid has no effect with particles");
     must_fail(2, "convert c.vdb -o b.ply --again",

@@ -1,10 +1,11 @@
-// least_column_test.cpp: vog render --least-column: pixels of a faint column are background in pictures of fields.
+// least_column_test.cpp: vog render --set least-column: pixels of a faint column are background in pictures of fields.
 #include <gtest/gtest.h>
 
 #include "render/splat/fields/field_splat.h"
 #include "support/command.h"
 #include "vog/camera.h"
 #include "vog/field_maps.h"
+#include "vog/picture_record.h"
 #include "vog/ply.h"
 
 namespace vog::test {
@@ -26,13 +27,13 @@ TEST_F(least_column_command, faint_pixels_are_background_but_have_values) {
         must(
             "render model.ply -o map.png --size 64 --show mean --field T --frame data --background "
             "transparent "
-            "--save-camera camera.json --values-out map.npy" +
+            "--values-out map.npy" +
             share);
         return read_text(dir_ / "map.npy");
     };
-    const std::string all = values(" --least-column 0");
-    const FieldMaps maps =
-        render_field_splat(model, {"T"}, read_camera(dir_ / "camera.json"), kSize, kSize);
+    const std::string all = values(" --set least-column=0");
+    const FieldMaps maps = render_field_splat(
+        model, {"T"}, *read_record(dir_ / "map.png").request.camera, kSize, kSize);
     const float most = *std::ranges::max_element(maps.column);
     int with_column = 0;
     for (const float column : maps.column) with_column += column > 0;
@@ -47,16 +48,16 @@ TEST_F(least_column_command, faint_pixels_are_background_but_have_values) {
         return visible;
     };
     EXPECT_EQ(expect_disc(0), with_column);
-    EXPECT_EQ(values(" --least-column 0.5"), all);
+    EXPECT_EQ(values(" --set least-column=0.5"), all);
     const int half = expect_disc(0.5);
     EXPECT_LT(half, with_column / 3);
     EXPECT_GT(half, with_column / 10);
     EXPECT_EQ(values(""), all);
     expect_disc(1e-4);  // the default
     for (const std::string wrong : {"-0.1", "1.5", "nan"})
-        must_fail(2, "render model.ply -o m.png --show mean --field T --least-column " + wrong,
-                  "--least-column");
-    must_fail(2, "render model.ply -o m.png --least-column 0.1", "--least-column");
+        must_fail(2, "render model.ply -o m.png --show mean --field T --set least-column=" + wrong,
+                  "--set least-column");
+    must_fail(2, "render model.ply -o m.png --set least-column=0.1", "--set least-column");
 }
 
 }  // namespace vog::test

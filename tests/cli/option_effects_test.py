@@ -29,23 +29,23 @@ MPI_ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_
 SECONDS = 120
 
 # By design these change no byte of a result: words about it, its speed, and what a run that ends early leaves.
-PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--memory", "--scratch", "--repeat",
+PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--memory", "--set scratch", "--repeat",
                 "--resume", "--again", "--open"}
 
 # Values that differ from the default, where those of option_pairs_test.py do not; COMMAND OPTION goes before OPTION.
 VALUES = {
-    "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--kappa": "0.2",
-    "--aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
-    "--step": "0.05", "render --step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--similarity": "0.9",
-    "--resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--clip-plane": "1,0,0,20",
+    "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--set kappa": "0.2",
+    "--set aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
+    "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--set similarity": "0.9",
+    "--set resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
-    "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--strategy": "single",
+    "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--set strategy": "single",
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
-    "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--ui-scale": "2", "--variance-threshold": "0.3",
-    "--opacity-threshold": "0.2", "--minimum-radius": "2", "--host": "0.0.0.0", "--allow-origin": "https://example.org", "--tf": "viridis", "--stop-transmittance": "0.5",
-    "--title": "T", "--hits-per-slab": "1", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
+    "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",
+    "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
+    "--title": "T", "--set hits-per-slab": "1", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
-    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
+    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--soft-steps": "7", "--lod": "4",
 }
 
 # Effects that depend on the data: inputs in place of the case's, for both runs.
@@ -54,16 +54,16 @@ INPUTS = {
     ("--skip-nonfinite", "points.vdb"): "nan.csv", ("--clip-negative", "points.vdb"): "negative.csv --value weight",
     ("--clip-negative", "small.nrrd"): "negative.nrrd", ("--clip-negative", "points.csv"): "negative.csv --value weight",
     ("--skip-nonfinite", "model.ply"): "nan.ply", ("--skip-nonfinite", "many.ply"): "nan.ply",
-    ("--skip-nonfinite", "other.ply"): "nan_too.ply", ("--sum", "small.nrrd"): "small.nrrd {made}/beside.nrrd", ("--mesh", "small.nrrd"): "small.nrrd {made}/across.nrrd",
+    ("--skip-nonfinite", "other.ply"): "nan_too.ply", ("--combine", "small.nrrd"): "small.nrrd {made}/across.nrrd",
     ("--grid", "fire.vdb"): "amr.vdb", ("--grid", "small.nrrd"): "fire.vdb", ("--mask", "small.nrrd"): "amr.vdb --grid density_L0",
     ("--level-set-to-fog", "small.nrrd"): "sphere.vdb",
 }
-UNTRIED = set() if shutil.which("ffmpeg") else {"--fps"}
+UNTRIED = set() if shutil.which("ffmpeg") else {"--set fps"}
 
 # Says what is the default for one input.
-STATED = {("export", "--site"), ("mpi export", "--site"), ("export", "--levels"), ("mpi convert", "--no-hierarchy")}
+STATED = {("export", "--site"), ("mpi export", "--site"), ("export", "--set levels"), ("mpi convert", "--no-hierarchy")}
 # Refused by what the data then lack, which the message names.
-OF_DATA = {"--no-fields", "--grid", "--field", "--carry", "--mask", "--mesh", "--method", "--renderer"}
+OF_DATA = {"--no-fields", "--grid", "--field", "--carry", "--mask", "--combine", "mesh", "--method", "--renderer"}
 # Scans have no active voxel without a number.
 NOTHING_LEFT = {("--skip-nonfinite", "volume"), ("--scale", "volume")}  # the default there is logarithmic
 
@@ -96,7 +96,7 @@ def cases():
     yield "convert", [TEXT, "-o", "{out}/m.ply", "--method", "paper", "--value", "weight"]
     yield "convert", [TEXT, "-o", "{out}/m.ply", "--budget", "100"]
     for strategy in ("smart", "variance", "neighbours", "tree"):
-        yield "convert", [VOLUME, "-o", "{out}/m.ply", "--method", "paper", "--strategy", strategy]
+        yield "convert", [VOLUME, "-o", "{out}/m.ply", "--method", "paper", "--set", "strategy=" + strategy]
     for how in ("--for value", "--block 4", "--budget 30", "--measure volume", "--lod 2"):
         yield "convert", [VOLUME, "-o", "{out}/m.ply", *how.split()]
     for data in (MODEL, VOLUME, TEXT, POINTS):
@@ -107,8 +107,8 @@ def cases():
         yield "render", [MODEL, *PICTURE, "--show", *show.split()]
         yield "render", [MODEL, *PICTURE, "--show", *show.split(), "--renderer", "trace"]
         yield "render", [VOLUME, *PICTURE, "--show", *show.replace("temperature", "value").split()]
-    yield "render", [MODEL, *PICTURE, "--renderer", "trace", "--anyhit", "collect"]
-    yield "render", [MODEL, *PICTURE, "--renderer", "trace", "--anyhit", "collect", "--extinction", "300"]
+    yield "render", [MODEL, *PICTURE, "--renderer", "trace", "--set", "anyhit=collect"]
+    yield "render", [MODEL, *PICTURE, "--renderer", "trace", "--set", "anyhit=collect", "--extinction", "300"]
     yield "render", [VOLUME, *PICTURE, "--interpolation", "linear"]
     yield "render", [MODEL, "--values-out", "{out}/v.npy", *SMALL, "--show", "mean", "--field", "temperature"]
     yield "render", [MODEL, *PICTURE, "--show", "volume", "--light", "head"]
@@ -164,7 +164,6 @@ def make_inputs(made):
         return max(0.0, 0.5 - 0.08 * r + 0.02 * ((x * 7 + y * 3 + z) % 5)) * (r < 5.5)
 
     volume("small.nrrd", blob)
-    volume("beside.nrrd", blob, origin=6)
     volume("across.nrrd", blob, origin=0.3, spacing=0.7)
     volume("nan.nrrd", lambda x, y, z: float("nan") if x == y == 5 else blob(x, y, z))
     volume("negative.nrrd", lambda x, y, z: -0.1 if x == y == 5 else blob(x, y, z))
@@ -187,10 +186,11 @@ def make_inputs(made):
     vog("export", "{made}/tiny.ply", "-o", "{made}/page.html")
     Path(made, "sphere.vdb").write_bytes(level_set())
     for name, roll in (("a", "0"), ("b", "5")):
-        vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--roll", roll, "--depth-out",
-            "{made}/%s.exr" % name, "--save-camera", "{made}/camera.json", "--values-out", "{made}/%s.npy" % name)
-        vog("render", "{made}/model.ply", "--show", "mean", "--field", "temperature", "--size", "16", "--roll", roll,
+        vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--set", "roll=" + roll, "--depth-out",
+            "{made}/%s.exr" % name, "--values-out", "{made}/%s.npy" % name)
+        vog("render", "{made}/model.ply", "--show", "mean", "--field", "temperature", "--size", "16", "--set", "roll=" + roll,
             "--values-out", "{made}/field_%s.exr" % name)
+    Path(made, "camera.json").write_text(json.dumps({"eye": [60, 40, 30], "look_at": [8, 8, 8], "up": [0, 1, 0], "fov_degrees": 30}))
     # Of no data, so that it goes with all: what differs is the size.
     vog("render", "{made}/model.ply", "-o", "{made}/request.png", "--size", "24")
     Path(made, "tour.vog").write_text("wait\npicture {out}/p.png\ndepth {out}/d.exr\nscreenshot {out}/s.png\n")
@@ -301,11 +301,11 @@ def pairs_text(command, known={}):
 def options_of(command):
     """[["--axis-aligned"], ["--block", "4"], ...] of the help."""
     found = {}
-    for name, rest in re.findall(r"^  (?:-\w,)?(--[a-z][a-z-]*)(.*)$", pairs_text(command), re.MULTILINE):
+    for name, rest in re.findall(pairs.OPTION, pairs_text(command), re.MULTILINE):
         if name in PRESENTATION or name == "--output" or name in found:
             continue
         found[name] = [name]
-        if re.match(r" (TEXT|INT|UINT|FLOAT)", rest):
+        if re.match(pairs.TAKES_VALUE, rest):
             value = VALUES.get(f"{command} {name}") or VALUES.get(name) or pairs.VALUES.get(name)
             assert value, f"vog {command} {name}: no value for it in {__file__}"
             found[name].append(value)  # "a|b": one of both is the default
@@ -342,13 +342,14 @@ def main():
                     continue
                 for option in options_of(command):
                     works.setdefault((command, option[0]), option[0] in UNTRIED)
-                    if option[0] in UNTRIED or option[0] in words:
-                        works[command, option[0]] |= option[0] in words
+                    stated = option[0] in words or any(f"--set {word}".startswith(option[0] + "=") for word in words)
+                    if option[0] in UNTRIED or stated:
+                        works[command, option[0]] |= stated
                         continue
                     given = inputs_for(option[0], words)
                     values = [option[:1] + ([value] if value else []) for value in (option[1] if option[1:] else "").split("|")]
                     tried.append((command, given, option, base_of(command, given),
-                                  [pool.submit(result_of, made, command, given, one) for one in values]))
+                                  [pool.submit(result_of, made, command, given, pairs.words_of(one)) for one in values]))
             for command, words, option, before, after in tried:
                 before, results = before.result(), [one.result() for one in after]
                 after = next((one for one in results if one[0] == 0 and one[:2] != before[:2]), results[0])

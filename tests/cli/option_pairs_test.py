@@ -28,23 +28,23 @@ SECONDS = 60  # of one run on a busy machine; most take some hundredths
 # Values of options that take one. {made}: folder of inputs; {out}: folder of this run's outputs.
 VALUES = {
     "--grid": "density", "--mask": "density", "--method": "paper", "--lod": "3", "--threads": "1", "--error": "0.3",
-    "--budget": "200", "--block": "4", "--soft-steps": "2", "--refine": "0.01", "--spread": "1.1",
-    "--mass-threshold": "0.01", "--strategy": "smart", "--dense-block": "4", "--amplitude": "mass", "--kappa": "0.02",
-    "--opacity-threshold": "0.001", "--variance-threshold": "0.02", "--similarity": "0.2", "--tree-depth": "2",
-    "--minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
-    "--memory": "200M", "--scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
-    "--renderer": "reference", "--interpolation": "linear", "--step": "0.5", "--samples": "2", "--aabb-sigma": "1",
-    "--pixel-error": "1", "--repeat": "2", "--anyhit": "collect", "--hits-per-slab": "4", "--stop-transmittance": "0.01",
-    "--frame": "data", "--view": "+x", "--azimuth": "30", "--elevation": "20", "--distance": "2", "--fov": "30", "--width": "20",
-    "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--roll": "10", "--camera": "{made}/camera.json",
-    "--save-camera": "{out}/camera.json", "--extinction": "0.5", "--tf": "viridis", "--background": "white",
+    "--budget": "200", "--block": "4", "--soft-steps": "2", "--refine": "0.01", "--set spread": "1.1",
+    "--mass-threshold": "0.01", "--set strategy": "smart", "--set dense-block": "4", "--set amplitude": "mass", "--set kappa": "0.02",
+    "--set opacity-threshold": "0.001", "--set variance-threshold": "0.02", "--set similarity": "0.2", "--set tree-depth": "2",
+    "--set minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
+    "--memory": "200M", "--set scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
+    "--renderer": "reference", "--interpolation": "linear", "--set step": "0.5", "--samples": "2", "--set aabb-sigma": "1",
+    "--pixel-error": "1", "--repeat": "2", "--set anyhit": "collect", "--set hits-per-slab": "4", "--set stop-transmittance": "0.01",
+    "--frame": "data", "--view": "+x", "--distance": "2", "--fov": "30", "--width": "20",
+    "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--set roll": "10", "--camera": "{made}/camera.json",
+    "--extinction": "0.5", "--tf": "viridis", "--background": "white",
     "--show": "column", "--range": "0.1,2", "--units": "g/cm^2", "--title": "A title",
-    "--field": "density", "--for": "volume", "--joint-steps": "1", "--measure": "volume", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy",
+    "--combine": "sum", "--field": "density", "--for": "volume", "--set joint-steps": "1", "--measure": "volume", "--scale": "linear", "--set least-column": "0.01", "--values-out": "{out}/values.npy",
     "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
-    "--unit-distance": "2", "--light": "1,2,3", "--slabs": "8", "--light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
-    "--clip-plane": "1,0,0,3", "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--model-psnr": "40", "--step": "0.05", "--field-step": "0.01", "--as": "3dgs", "--description": "Some text", "--name": "a model", "--levels": "2",
+    "--unit-distance": "2", "--light": "1,2,3", "--slabs": "8", "--set light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
+    "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--set model-psnr": "40", "--set rounding": "0.05", "--set field-rounding": "0.01", "--as": "3dgs", "--description": "Some text", "--name": "a model", "--set levels": "2",
     "--voxel-size": "1", "--like": "{made}/cloud.vdb",
-    "--request": "{made}/x.png", "--turntable": "2", "--fps": "12", "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
+    "--request": "{made}/x.png", "--turntable": "2", "--set fps": "12", "--diff": "{out}/diff.png", "--set diff-limit": "3", "--seed": "2",
 }
 kOptions, kRefused = 8, 16  # options of one run
 # Command: its arguments with an input, for each kind of input.
@@ -62,15 +62,23 @@ COMMANDS = {
 ALWAYS = {"render": ["--size", "16x12"], "sample": ["--size", "64"]}
 
 
+# An option in a help: "--block", or a setting, "--set kappa".
+OPTION, TAKES_VALUE = r"^  (?:-\w,)?(--set [a-z-]+|--[a-z][a-z-]*)(.*)$", r"[ =](TEXT|INT|UINT|FLOAT)"
+
+
+def words_of(option):
+    """["--set", "kappa=0.2"] of ["--set kappa", "0.2"]."""
+    return ["--set", f"{option[0][6:]}={option[1]}"] if option[0].startswith("--set ") else option
+
+
 def options_of(command):
     """Long names of the options of a command, with their values: [["--axis-aligned"], ["--block", "4"], ...]"""
     text = subprocess.run([VOG, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     options = []
-    for match in re.finditer(r"^  (?:-\w,)?(--[a-z-]+)(.*)$", text, re.MULTILINE):
-        name, rest = match[1], match[2]
+    for name, rest in re.findall(OPTION, text, re.MULTILINE):
         if name in ("--help", "--help-all", "--output", *(option[0] for option in options)):
             continue
-        if re.match(r" (TEXT|INT|UINT|FLOAT)", rest):
+        if re.match(TAKES_VALUE, rest):
             assert name in VALUES, f"vog {command} {name}: no value for it in {__file__}"
             options.append([name, VALUES[name]])
         else:
@@ -86,8 +94,9 @@ def make_inputs(made):
     vog("sample", "particles", f"{made}/particles.csv", "--size", "8")
     vog("convert", f"{made}/cloud.vdb", "-o", f"{made}/model.ply", "--block", "16")
     for name, roll in (("a", "0"), ("b", "5")):
-        vog("render", f"{made}/model.ply", "-o", f"{made}/x.png", "--size", "16", "--roll", roll, "--depth-out",
-            f"{made}/{name}.exr", "--save-camera", f"{made}/camera.json")
+        vog("render", f"{made}/model.ply", "-o", f"{made}/x.png", "--size", "16", "--set", "roll=" + roll, "--depth-out",
+            f"{made}/{name}.exr")
+    Path(made, "camera.json").write_text(json.dumps({"eye": [90, 60, 40], "look_at": [0, 0, 0], "up": [0, 1, 0], "fov_degrees": 40}))
 
 
 class Outcome:
@@ -100,7 +109,7 @@ class Outcome:
 
 def outcome_of(made, command, arguments, chosen):
     out = tempfile.mkdtemp(dir=made)
-    words = [*arguments, *[word for option in chosen for word in option]]
+    words = [*arguments, *[word for option in chosen for word in words_of(option)]]
     if "--size" not in words:
         words += ALWAYS.get(command, [])
     words = [word.replace("{made}", made).replace("{out}", out) for word in words]
@@ -153,7 +162,7 @@ class Pairs:
         return found
 
     def named(self, refusal, options):
-        words = set(re.findall(r"--[a-z-]+", refusal))
+        words = set(re.findall(r"--set [a-z-]+|--[a-z-]+", refusal))
         named = [option for option in options if option[0] in words]
         if len(named) > 1:
             return named

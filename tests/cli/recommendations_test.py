@@ -5,6 +5,7 @@ A new message with an option or a command in it fails `test_unprovoked_messages_
 why none does. The calls of messages in Python are in tests/python/test_recommendations.py.
 """
 
+import json
 import math
 import re
 import shlex
@@ -27,17 +28,17 @@ ROWS = [
     ("render m.ply -o p.png --light head", r"works with (--show volume)", "+"),
     ("render m.ply -o p.png --slabs 4", r"works with (--show volume)", "+"),
     ("render m.ply -o p.png --range 0,1", r"works with (--show column)", "+"),
-    ("render m.ply -o p.png --least-column 0.1", r"works with (--show mean)", "+ --field temperature"),
+    ("render m.ply -o p.png --set least-column=0.1", r"works with (--show mean)", "+ --field temperature"),
     ("render m.ply -o p.png --show mean --field temperature --depth-out t.exr", r"use (--values-out FILE.exr)", "render m.ply -o p.png --show mean --field temperature {0}"),
-    ("render m.ply -o p.png --light-weights 1,1,1,1 --show volume", r"needs (--light)", "+ head"),
+    ("render m.ply -o p.png --set light-weights=1,1,1,1 --show volume", r"needs (--light)", "+ head"),
     ("render m.ply -o p.png --steps", r"needs (--turntable)", "render m.ply m2.ply -o turn/ --steps {0} 2"),
-    ("render m.ply -o p.png --fps 3", r"works with (-o FILE.mp4)", None),
-    ("render c.nrrd -o p.png --step 0.5", r"works with (--interpolation linear)", "+"),
-    ("render m.ply -o p.png --renderer trace --hits-per-slab 4", r"works with (--anyhit collect)", "+"),
+    ("render m.ply -o p.png --set fps=3", r"works with (-o FILE.mp4)", None),
+    ("render c.nrrd -o p.png --set step=0.5", r"works with (--interpolation linear)", "+"),
+    ("render m.ply -o p.png --renderer trace --set hits-per-slab=4", r"works with (--set anyhit=collect)", "+"),
     ("render m.ply -o p.png --width 3", r"needs (--orthographic)", "+"),
     ("render m.ply -o p.png --camera camera.json --width 3", r"expected (--orthographic)", "+"),
     ("render m.ply -o p.png --show mean", r"expected (--field NAME)", "+"),
-    ("render m.ply -o p.png --renderer trace --anyhit collect --stop-transmittance 0.1", r"expected (--extinction) with a number", "+ 2"),
+    ("render m.ply -o p.png --renderer trace --set anyhit=collect --set stop-transmittance=0.1", r"expected (--extinction) with a number", "+ 2"),
     ("render m.ply -o t.png --turntable 3", r"expected a folder", "render m.ply -o t/ --turntable 3"),
     ("render m.ply --turntable 3", r"\((turn/)\)", "render m.ply --turntable 3 -o {0}"),
     ("render m.ply -o t.mp4", r"expected (--turntable N)", None),
@@ -48,7 +49,7 @@ ROWS = [
     ("render m.ply -o p.png --show volume", r"\(((?:--scale log )?--range \S+ --unit-distance \S+) repeats it", "+"),
     ("render c.nrrd -o p.png --renderer splat", r"convert it first: (vog convert .*)", "{0}"),
     ("render two.vdb -o p.png --grid 'density_*' --interpolation linear --show volume", None, None),
-    ("render c.nrrd -o p.png --show volume --interpolation linear --step 0", r"expected a (step > 0)", "render c.nrrd -o p.png --show volume --interpolation linear --step 1"),
+    ("render c.nrrd -o p.png --show volume --interpolation linear --set step=0", r"expected a (step > 0)", "render c.nrrd -o p.png --show volume --interpolation linear --set step=1"),
     # Values that are no density.
     ("render signed.nrrd -o p.png", r"(--clip-negative)", "+"),
     ("render signed.nrrd -o p.png", r"vog render (--show volume) draws", "+"),
@@ -70,8 +71,8 @@ ROWS = [
     ("render smooth.csv -o p.png", r"(--radius adaptive)", "+"),
     ("render smooth.csv -o p.png --periodic", r"expected (--periodic) EDGE", "render smooth.csv -o p.png {0} 9"),
     # Several volumes.
-    ("render c.nrrd beside.nrrd -o p.png", r"(--sum) \(densities", "+"),
-    ("render c.nrrd beside.nrrd -o p.png", r"(--mesh) \(the finest", "+"),
+    ("render c.nrrd beside.nrrd -o p.png", r"(--combine sum) \(densities", "+"),
+    ("render c.nrrd beside.nrrd -o p.png", r"(--combine mesh) \(the finest", "+"),
     ("render c.nrrd beside.nrrd -o p.png", r"(-o FOLDER/)", "+"),
     ("export c.nrrd beside.nrrd -o p.html", r"(-o FOLDER/)", "+"),
     # Fields.
@@ -108,10 +109,10 @@ ROWS = [
     ("export m.ply -o p.html --scale log", r"works with (--show column)", "+"),
     ("view m.ply --headless", r"needs (--script)", None),
     # Conversions.
-    ("convert c.nrrd -o m3.ply --joint-steps 3", r"needs (--for)", "+ volume"),
-    ("convert c.nrrd -o m3.ply --method paper --tree-depth 2", r"works with (--strategy tree)", "+"),
+    ("convert c.nrrd -o m3.ply --set joint-steps=3", r"needs (--for)", "+ volume"),
+    ("convert c.nrrd -o m3.ply --method paper --set tree-depth=2", r"works with (--set strategy=tree)", "+"),
     ("convert c.nrrd -o m3.ply --measure-error", r"needs (--block)", "+ 4"),
-    ("convert c.nrrd -o m3.ply --scratch .", r"needs (--memory)", "+ 1G"),
+    ("convert c.nrrd -o m3.ply --set scratch=.", r"needs (--memory)", "+ 1G"),
     ("convert fine.nrrd -o m3.ply --error 0.000001", r"(--error \S+) needs", "+"),
     ("convert same.csv -o m3.ply", r"\((--radius X)\)", "+"),
     ("convert c.nrrd -o models/", r"\((--again) converts", "+"),
@@ -123,7 +124,7 @@ ROWS = [
     ("empty", r"\((vog convert --help) lists", "{0}"),
     ("rendr m.ply", r"mean '(vog render)'", "{0} m.ply -o p.png"),
     ("render m.ply -o p.png --siez 3", r"mean (--size)", "render m.ply -o p.png {0} 3"),
-    ("convert c.nrrd -o m3.ply --azimuth 3", r"only in vog (render)", "render c.nrrd -o p.png --azimuth 3"),
+    ("convert c.nrrd -o m3.ply --distance 3", r"only in vog (render)", "render c.nrrd -o p.png --distance 3"),
     ("convert c.nrrd -o m3.ply --nothing", r"(vog convert --help-all)", "{0}"),
 ]
 # Messages whose recommendation no run here can follow: [part of the literal, the reason].
@@ -135,7 +136,7 @@ NOT_RUN = [
     ("one process (vog", "tests/mpi"), ("vog-mpi", "tests/mpi"), ("at least one Gaussian per rank", "tests/mpi"), ("is evaluated by one process", "tests/mpi"),
     ("evaluated by one process", "tests/mpi"), ("no hierarchy is written", "tests/mpi"), ("uniform cells are hard", "tests/mpi"), ("one build of vog", "tests/mpi"),
     ("vog export writes pages", "tests/mpi"), ("strategy variance", "tests/mpi"), ("strategy neighbours", "tests/mpi"), ("films are made by one", "tests/mpi"),
-    ("is of T, --show", "needs a GPU"), ("--anyhit collect", "needs a GPU"), ("cuda", "needs a GPU"),
+    ("is of T, --show", "needs a GPU"), ("--set anyhit=collect", "needs a GPU"), ("cuda", "needs a GPU"),
     ("films have no transparency", "needs ffmpeg"), ("a level set, expected", "tests/io/vdb writes level sets"),
     ("positions beyond 24", "tests/io/exchange"), ("standard deviations from", "tests/io/exchange"), ("positions of 24 bits", "tests/io/exchange"),
     ("usdcat", "a program of OpenUSD"), ("python -m vog.report", "tests/python/test_report.py"), ("splats, expected", "tests/io/exchange"), ("no steps in time are open", "tests/viewer"), ("vog view", "tests/viewer"),
@@ -149,7 +150,7 @@ NOT_RUN = [
 ]
 # A message that names options, and recommends none: a value is wrong, or a fact is told.
 STATES_ONLY = re.compile(
-    r"^(?:\{\}: |: )?(?:--[a-z-]+[ :,]|'?\{\}'?: '\{\}' of)|--opacity-threshold \{\}|^\{\}: error by value|grid '\{\}', expected|from --reference"
+    r"^(?:\{\}: |: )?(?:--[a-z-]+[ :,]|'?\{\}'?: '\{\}' of)|--set opacity-threshold=\{\}|^\{\}: error by value|grid '\{\}', expected|from --reference"
     r"|is of --show volume|default options of vog convert|the model has no field for|no field\{\}, expected|--mask '\{\}'")
 
 
@@ -265,8 +266,9 @@ def make_inputs(case):
                  "convert fire.vdb -o m.ply --block 8 --field temperature", "convert fire.vdb -o m2.ply --block 16 --field temperature",
                  "convert c.nrrd -o none.ply --block 4 --no-fields", "convert p.xyz -o pv.ply --field velocity",
                  "convert c.nrrd -o models/ --block 4", "export m.ply -o m.vogz --hierarchy --deflate",
-                 "render m.ply -o a.png --size 16 --depth-out a.exr --save-camera camera.json"]:
+                 "render m.ply -o a.png --size 16 --depth-out a.exr"]:
         case.vog(line.split())
+    (case.folder / "camera.json").write_text(json.dumps(json.loads(case.vog(["render", "m.ply", "-o", "a.png", "--size", "16", "--json"])[1])["camera"]))
 
 
 if __name__ == "__main__":

@@ -23,12 +23,12 @@ TEST_F(request_command, draws_the_same_file_again) {
     for (const char* options :
          {"cloud.ply", "cloud.vdb --show column --scale log --color-bar --title 'a b'",
           "cloud.vdb --show volume --light head --view +x --tf viridis",
-          "cloud.ply --show mean --field density --orthographic --clip-plane 1,0,0,0",
+          "cloud.ply --show mean --field density --orthographic --clip 1,0,0,0",
           "cloud.ply --show maximum --slabs 9 --renderer splat --background white",
           "cloud.vdb --show volume --band 0.1,0.5,red,0.5 --iso 0.6,blue",
-          "cloud.ply --renderer trace --anyhit collect --hits-per-slab 4 --extinction 3 "
-          "--stop-transmittance 0.1",
-          "cloud.vdb --interpolation linear --step 0.5 --samples 2",
+          "cloud.ply --renderer trace --set anyhit=collect --set hits-per-slab=4 --extinction 3 "
+          "--set stop-transmittance=0.1",
+          "cloud.vdb --interpolation linear --set step=0.5 --samples 2",
           "p.csv --value mass --radius 0.4 --show column"}) {
         must(std::string("render ") + options + " --size 40x30 -o first.png");
         must("render --request first.png -o again.png");
@@ -52,7 +52,7 @@ TEST_F(request_command, options_beside_it_take_the_place_of_its_own) {
     must("render --request first.png --view -y -o view.png");
     EXPECT_NE(read_record(dir_ / "view.png").request.camera->eye,
               read_record(dir_ / "first.png").request.camera->eye);
-    must("render --request first.png --save-camera c.json -o kept.png");
+    must("render --request first.png --camera first.png -o kept.png");
     EXPECT_EQ(read_record(dir_ / "kept.png").request.camera->eye,
               read_record(dir_ / "first.png").request.camera->eye);
     // Another quantity has other values.
@@ -90,7 +90,7 @@ TEST_F(request_command, pictures_of_turns_and_of_fields_in_other_files_are_drawn
 TEST_F(request_command, the_camera_is_turned_and_placed_by_options) {
     must("render cloud.ply --eye 0,2,0 --look-at 1,0,0 --fov 90 --size 16 -o first.png");
     const Camera first = *read_record(dir_ / "first.png").request.camera;
-    must("render --request first.png --roll 10 -o rolled.png");
+    must("render --request first.png --set roll=10 -o rolled.png");
     const Camera rolled = *read_record(dir_ / "rolled.png").request.camera;
     EXPECT_EQ(rolled.eye, first.eye);
     EXPECT_EQ(rolled.fov_degrees, 90);
@@ -128,8 +128,8 @@ TEST_F(request_command, refuses_in_one_line) {
     refused("render --request r.json -o x.png", "heat");
     request(R"({"picture": {"light": "head"}, "inputs": ["cloud.vdb"]})");
     refused("render --request r.json -o x.png", "no effect");
-    request(R"({"picture": {}, "inputs": ["cloud.vdb"], "reading": {"--sum": []}})");
-    refused("render --request r.json -o x.png", "'--sum' in 'reading' has no value");
+    request(R"({"picture": {}, "inputs": ["cloud.vdb"], "reading": {"--combine": []}})");
+    refused("render --request r.json -o x.png", "'--combine' in 'reading' has no value");
     request(
         R"({"picture": {"show": "mean", "field": "cloud.vdb:density"}, "inputs": ["cloud.vdb"]})");
     refused("render --request r.json -o x.png", "'field' names a file");

@@ -7,6 +7,8 @@
 #include <functional>
 
 #include "options/option_effects.h"
+#include "options/parser/command_line.h"
+#include "options/parser/settings.h"
 #include "support/refusal.h"
 
 namespace vog::cli {
@@ -21,15 +23,15 @@ PictureRequest request_of(const std::string& line) {
     CLI::App app;
     RequestWords words;
     add_request_options(app, words);
-    app.parse(line);
-    require_effects(app, {{"show", word_of(words.show())}});
+    run_command(app, CLI::detail::split_up(line));
+    require_effects(GivenOptions(app), {{"show", word_of(words.show())}});
     return words.over();
 }
 std::string refused(const std::string& line) {
     try {
         (void)request_of(line);
-    } catch (const CLI::Error& error) {
-        return error.what();
+    } catch (const UsageError& error) {
+        return as_typed(error.what());
     } catch (const Error& error) {
         return error.what();
     }
@@ -40,8 +42,8 @@ std::string volume_refused(const std::string& line) { return refused("--show vol
 TEST(request_options, of_every_member_set_it) {
     const PictureRequest request = request_of(
         "--show mean --field velocity.x --range=-1,2.5 --scale symmetric --units km/s --size 40x30 "
-        "--background 0.1,0.2,0.3 --color-bar --title 12 --clip=-1,0,0,1,2,3 --clip-plane 0,0,1,-5 "
-        "--clip-plane 1,0,0,2 --renderer trace --kappa 0.1 --tf viridis --least-column 0.01");
+        "--background 0.1,0.2,0.3 --color-bar --title 12 --clip=-1,0,0,1,2,3 --clip 0,0,1,-5 "
+        "--clip 1,0,0,2 --renderer trace --set kappa=0.1 --tf viridis --set least-column=0.01");
     EXPECT_EQ(request.show, Show::mean);
     EXPECT_EQ(request.field, "velocity.x");
     EXPECT_EQ(request.transfer.range, std::pair(-1.0, 2.5));
@@ -95,17 +97,17 @@ TEST(request_options, words_that_are_none_are_refused) {
     expect_in(volume_refused("--unit-distance inf"), "expected a finite length");
     expect_in(volume_refused("--light up"), "--light up: expected head or a direction x,y,z");
     expect_in(volume_refused("--light 0,0,0"), "expected head or a direction");
-    expect_in(volume_refused("--light head --light-weights 1,-1,0,1"), "diffuse -1");
-    expect_in(volume_refused("--light head --light-weights 1,1"), "ambient, diffuse");
+    expect_in(volume_refused("--light head --set light-weights=1,-1,0,1"), "diffuse -1");
+    expect_in(volume_refused("--light head --set light-weights=1,1"), "ambient, diffuse");
     EXPECT_EQ(volume_refused("--band 1,2,red,1 --band 2,3,blue,0.5 --light=-1,2,0"), "accepted");
     expect_in(refused("--show column --range 2,1"), "--range 2,1: expected LO,HI");
     expect_in(refused("--size 0x4"), "--size 0x4: expected pixels");
     expect_in(refused("--background 1,2,3"), "--background 1,2,3: expected black");
     expect_in(refused("--extinction none"), "--extinction none: expected auto or a number above 0");
-    expect_in(refused("--clip 0,0,0,1,1"), "--clip 0,0,0,1,1: expected x0,y0,z0,x1,y1,z1");
+    expect_in(refused("--clip 0,0,0,1,1"), "--clip 0,0,0,1,1: expected a box X0,Y0,Z0,X1,Y1,Z1");
     expect_in(refused("--clip 0,0,0,1,-1,1"), "expected the first below the second");
-    expect_in(refused("--clip-plane 0,0,0,1"), "a normal that is not 0");
-    expect_in(refused("--clip-plane 0,0,1"), "expected nx,ny,nz,d");
+    expect_in(refused("--clip 0,0,0,1"), "a normal that is not 0");
+    expect_in(refused("--clip 0,0,1"), "or a plane NX,NY,NZ,D");
 }
 
 TEST(request_options, that_exclude_each_other_are_refused) {
@@ -113,7 +115,7 @@ TEST(request_options, that_exclude_each_other_are_refused) {
     expect_in(volume_refused("--window 3,1 --tf gray"), "--tf and --window exclude each other");
     expect_in(volume_refused("--band 1,2,red,1 --range 1,2"),
               "--range and --band exclude each other");
-    expect_in(volume_refused("--light-weights 1,1,1,1"), "--light-weights needs --light");
+    expect_in(volume_refused("--set light-weights=1,1,1,1"), "--set light-weights needs --light");
     expect_in(refused("--threshold 2"), "--threshold has no effect with --show T");
     EXPECT_EQ(volume_refused("--threshold 2 --tf gray --range 1,2"), "accepted");
 }

@@ -57,8 +57,8 @@ TEST_F(sequence, invalid_requests_fail_before_any_work) {
     must_fail(1, "convert a.vdb other/a.vdb -o models/", "would be written for both");
     must_fail(2, "convert a.vdb -o a.ply --memory lots", "--memory lots");
     must_fail(1, "convert a.vdb -o a.ply --memory 1M", "at least 67108864");
-    must_fail(1, "convert a.vdb -o a.ply --memory 1G --scratch nowhere", "nowhere");
-    must_fail(2, "convert a.vdb -o a.ply --scratch other", "--memory");
+    must_fail(1, "convert a.vdb -o a.ply --memory 1G --set scratch=nowhere", "nowhere");
+    must_fail(2, "convert a.vdb -o a.ply --set scratch=other", "--memory");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "a.ply"));
 }
 

@@ -120,7 +120,7 @@ class Heads(ServeTest):
         self.assertEqual(self.server.raw(b"GET / HTTP/1.1\r\nConnection: close\r\n\r\n")[9:12], b"403")
 
     def test_pages_of_one_other_origin_are_let_in(self):
-        server = self.serve(self.site, "--port", "0", "--allow-origin", "https://example.org:8443")
+        server = self.serve(self.site, "--port", "0", "--set", "allow-origin=https://example.org:8443")
         answer, _ = server.get("/manifest.json", Origin="https://example.org:8443")
         self.assertEqual(answer.getheader("Access-Control-Allow-Origin"), "https://example.org:8443")
         self.assertIn("Content-Range", answer.getheader("Access-Control-Expose-Headers"))

@@ -188,8 +188,8 @@ class Ends(ServeTest):
         self.assertIn("site is required", self.refusal(code=2))
 
     def test_options_out_of_range_are_refused(self):
-        for words in [["--port", "65536"], ["--port", "-1"], ["--port", "x"], ["--allow-origin", "example.org"], ["--allow-origin", "https://"],
-                      ["--allow-origin", "https://a/b"], ["--allow-origin", "https://a\r\nX: y"], ["--allow-origin", "http://a, http://b"]]:
+        for words in [["--port", "65536"], ["--port", "-1"], ["--port", "x"], ["--set", "allow-origin=example.org"], ["--set", "allow-origin=https://"],
+                      ["--set", "allow-origin=https://a/b"], ["--set", "allow-origin=https://a\r\nX: y"], ["--set", "allow-origin=http://a, http://b"]]:
             self.refusal(self.site, *words, code=2)
         for host in ["no.such.host.invalid", "300.1.1.1", "", "192.0.2.1"]:  # the last: of documents, no machine's
             self.assertIn("--host", self.refusal(self.site, "--host", host, "--port", "0"))

@@ -56,7 +56,8 @@ TEST_F(site_command, an_export_again_keeps_what_is_there) {
     const Json again = Json::parse(must("export c.ply -o site/ --json --title Other").out);
     EXPECT_EQ(again["kept"], first["chunks"]);
     EXPECT_EQ(read_text(dir_ / "site/manifest.json"), manifest);
-    const Json coarse = Json::parse(must("export c.ply -o site --json --step 0.1 --no-fields").out);
+    const Json coarse =
+        Json::parse(must("export c.ply -o site --json --set rounding=0.1 --no-fields").out);
     EXPECT_EQ(coarse["kept"], 0);
     EXPECT_GT(coarse["removed"], 0);
     EXPECT_LT(coarse["bytes"], first["bytes"]);
@@ -129,7 +130,8 @@ TEST_F(site_command, pages_of_models_elsewhere_hold_no_model) {
     must_fail(2, "export c.vogz -o c.ply --from https://host/c.vogz",
               "--from has no effect with -o FILE.ply");
     must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --budget 9", "--budget");
-    must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --step 0.1", "--step");
+    must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --set rounding=0.1",
+              "--set rounding");
     must_fail(1, "export c.vogz -o page.html --from ftp://host/c.vogz", "https or http");
     must_fail(1, "export c.vogz -o page.html --from https://a:b@host/c.vogz", "without a user");
     must_fail(1, "export site -o page.html --from https://host/?a", "with a query");
@@ -154,7 +156,7 @@ TEST_F(site_command, requests_without_sense_are_refused) {
     must("convert c.vdb -o c.ply --budget 100");
     must_fail(2, "export c.ply -o c.html --site", "--site has no effect with -o FILE.html");
     must_fail(2, "export c.ply -o c.html --memory 1G", "--memory");
-    must_fail(2, "export c.ply -o site/ --levels 3", "--levels");
+    must_fail(2, "export c.ply -o site/ --set levels=3", "--set levels");
     must_fail(2, "export c.ply -o site/ --hierarchy",
               "--hierarchy has no effect with -o FOLDER/ (a site)");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "site"));

@@ -48,10 +48,10 @@ TEST_F(volume_pictures_command, show_bands_over_a_background) {
     EXPECT_NEAR(white.b, 0.375 + 0.375, 1e-6);
     // The plane hides the red voxel, x from 1.5 to 2.5.
     must(std::string("render ramp.vdb -o band.exr") + kFront +
-         "--band 3,4,red,0.25 --unit-distance 1 --clip-plane 1,0,0,2.5");
+         "--band 3,4,red,0.25 --unit-distance 1 --clip 1,0,0,2.5");
     EXPECT_EQ(middle("band.exr").r, 0);
     must(std::string("render ramp.vdb -o band.exr") + kFront +
-         "--iso 3,red --light head --light-weights 0.1,0.5,0,1 --threshold 2");
+         "--iso 3,red --light head --set light-weights=0.1,0.5,0,1 --threshold 2");
     EXPECT_NEAR(middle("band.exr").r, 0.6, 1e-3);
 }
 
@@ -116,7 +116,7 @@ TEST_F(volume_pictures_command, show_models_as_their_voxels_and_clip_them) {
     must("convert cloud.vdb -o m.ply --budget 1500 --no-hierarchy");
     const std::string look =
         " --show volume --frame data --size 64 --band 0.1,0.25,#0040ff,0.1 --band 0.3,9,white,0.5"
-        " --unit-distance 0.05 --clip-plane 1,0,0,0 --light head -o ";
+        " --unit-distance 0.05 --clip 1,0,0,0 --light head -o ";
     must("render cloud.vdb" + look + "voxels.png");
     must("render m.ply" + look + "slabs.png");
     must("render m.ply" + look + "many.png --slabs 256");
@@ -165,7 +165,8 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
             "ramp.vdb: the band from 9 to 10 is outside the data's values, 1 to 8");
     refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
     refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
-    refused(2, "--interpolation linear --step 0", "--step 0: volume rendering takes samples");
+    refused(2, "--interpolation linear --set step=0",
+            "--set step=0: volume rendering takes samples");
     refused(2, "--scale log --window 3,1", "--scale and --window exclude each other");
     must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window has no effect with --show T");
     must_fail(2, "render ramp.vdb -o p.png --show maximum --light head",
@@ -191,7 +192,7 @@ TEST_F(volume_pictures_command, show_the_largest_value) {
         must(std::string("render ") + input + " --values-out m.exr" + side +
              "--clip -1,-1,-1,3.5,9,9");
         EXPECT_NEAR(report(std::string("render ") + input + " -o m.png" + side +
-                           "--clip-plane -1,0,0,-3.5")["max_t"]
+                           "--clip -1,0,0,-3.5")["max_t"]
                         .get<double>(),
                     4, 0.4)
             << input;

@@ -110,7 +110,7 @@ TEST_F(voxelize_command, takes_the_lattice_of_a_volume) {
 TEST_F(voxelize_command, bytes_are_the_same_for_any_threads_and_memory) {
     must("voxelize model.ply --voxel-size 0.2 --fields -o one.vdb --threads 1");
     must("voxelize model.ply --voxel-size 0.2 --fields -o two.vdb --threads 2");
-    must("voxelize model.ply --voxel-size 0.2 --fields -o small.vdb --memory 64M --scratch .");
+    must("voxelize model.ply --voxel-size 0.2 --fields -o small.vdb --memory 64M --set scratch=.");
     EXPECT_EQ(read_text(dir_ / "one.vdb"), read_text(dir_ / "two.vdb"));
     EXPECT_EQ(read_text(dir_ / "one.vdb"), read_text(dir_ / "small.vdb"));
 }

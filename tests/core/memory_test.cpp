@@ -46,7 +46,7 @@ TEST_F(larger_than_memory, a_volume_makes_the_same_model) {
 TEST_F(larger_than_memory, a_volume_makes_the_same_picture) {
     write_cube("cube.vdb", 32);
     expect_same("render cube.vdb --size 64 --depth-out", ".exr", 168);
-    must_fail(2, "render cube.vdb -o a.png --scratch .", "--memory");
+    must_fail(2, "render cube.vdb -o a.png --set scratch=.", "--memory");
 }
 
 // Two levels with 20 million voxels in all, the finer one in a corner of the coarser.
@@ -78,7 +78,7 @@ TEST_F(larger_than_memory, particles_in_no_order_make_the_same_model) {
     }
     write("q.xyz", mixed);
     must("convert q.xyz -o free.ply --block 4");
-    must("convert q.xyz -o bound.ply --block 4 --memory 64M --scratch .");
+    must("convert q.xyz -o bound.ply --block 4 --memory 64M --set scratch=.");
     EXPECT_EQ(read_text(dir_ / "bound.ply"), read_text(dir_ / "free.ply"));
 }
 

@@ -59,8 +59,8 @@ class Faults : public CommandLine {
     static std::vector<Job> jobs() {
         return {{"convert c.vdb -o out/m.ply --block 8 --soft-steps 0", {"m.ply"}},
                 {"render c.vdb --size 64 -o out/p.png --depth-out out/t.exr --show column "
-                 "--values-out out/v.npy --save-camera out/c.json",
-                 {"p.png", "t.exr", "v.npy", "c.json"}},
+                 "--values-out out/v.npy",
+                 {"p.png", "t.exr", "v.npy"}},
                 {"sample cloud out/s.vdb --size 64", {"s.vdb"}},
                 {"sample particles out/x.xyz --size 8", {"x.xyz"}},
                 {"export m.ply -o out/e.html", {"e.html"}},

@@ -14,7 +14,7 @@ class scratch_faults : public Faults {
 
 TEST_F(scratch_faults, full_scratch_folder_keeps_earlier_outputs) {
     VOG_NEEDS_PRELOAD();
-    const Job job{"convert p.xyz -o out/p.csv --memory 64M --scratch out/scratch", {"p.csv"}};
+    const Job job{"convert p.xyz -o out/p.csv --memory 64M --set scratch=out/scratch", {"p.csv"}};
     const Result probe = run(job.arguments);
     if (probe.error.find("tmpfs") != std::string::npos)
         GTEST_SKIP() << "temporary folders of this system lie in memory: " << probe.error;
@@ -33,7 +33,7 @@ TEST_F(scratch_faults, missing_folders_are_one_clear_line) {
     must_fail(1, "convert p.xyz -o out/p.ply --memory 64M",
               "TMPDIR=/nosuch: no folder for scratch files, expected one that exists",
               "TMPDIR=/nosuch");
-    must_fail(1, "convert p.xyz -o out/p.ply --memory 64M --scratch nosuch",
+    must_fail(1, "convert p.xyz -o out/p.ply --memory 64M --set scratch=nosuch",
               "nosuch: cannot make a scratch file here: No such file or directory");
 }
 

@@ -39,11 +39,11 @@ done
 { printf '\x01'; gzip -dc "$made/model.spz"; } >"$folder/splats/unpacked"
 { printf '\x02'; cat "$made/model.glb"; } >"$folder/splats/glb"
 { printf '\xf0'; cat "$made/model.usda"; } >"$folder/splats/usda"
-"$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
-    --save-camera "$folder/camera/perspective.json" >/dev/null
+"$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" --json \
+    >"$folder/camera/perspective.json"
 "$vog" render "$folder/ply/plain.ply" --size 16 --show column --values-out "$folder/image/column.npy" >/dev/null
-"$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.exr" --size 16 --orthographic \
-    --save-camera "$folder/camera/orthographic.json" >/dev/null
+"$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.exr" --size 16 --orthographic --json \
+    >"$folder/camera/orthographic.json"
 cat >"$folder/transfer_function/own.json" <<'JSON'
 {"name": "two", "colors": [[0, 0, 0, 0.5], [0.25, 0.5, 0, 0], [1, 1, 1, 1]], "opacity": [[0, 0], [1, 1]]}
 JSON
@@ -57,7 +57,7 @@ head='{"size": [2, 2, 2], "type": "uint16", "channels": 1, "skip": 1}'
 cat >"$folder/results/index.json" <<'JSON'
 {"vog_models": ["model.0.ply", "model.1.ply"]}
 JSON
-for show in T "volume --light head --clip-plane 1,0,0,0" "maximum --background white"; do
+for show in T "volume --light head --clip 1,0,0,0" "maximum --background white"; do
     "$vog" render "$made/cloud.vdb" --show $show --size 8 -o "$made/record.png" >/dev/null
     "$vog" render --request "$made/record.png" -o "$folder/record/${show%% *}.exr" >/dev/null
     cp "$made/record.png" "$folder/record/${show%% *}.png"

@@ -75,8 +75,8 @@ TEST_F(mpi_convert, many_files_are_divided_by_files) {
         must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
         volumes += fmt::format("v{}.vdb ", n);
     }
-    expect_same_bytes(2, volumes + "--sum --soft-steps 0 --block 4");
-    expect_same_bytes(3, volumes + "--sum --soft-steps 0 --block 4");
+    expect_same_bytes(2, volumes + "--combine sum --soft-steps 0 --block 4");
+    expect_same_bytes(3, volumes + "--combine sum --soft-steps 0 --block 4");
 }
 
 TEST_F(mpi_convert, particles_are_the_same_bytes) {
@@ -108,7 +108,7 @@ TEST_F(mpi_convert, data_far_from_the_origin_are_as_good) {
 /// The same Gaussians, leaf by leaf, but in the order of the parts.
 TEST_F(mpi_convert, paper_makes_the_same_gaussians) {
     must("sample cloud c.vdb --size 64");
-    for (const char* options : {"--lod 3", "--strategy tree --tree-depth 2"}) {
+    for (const char* options : {"--lod 3", "--set strategy=tree --set tree-depth=2"}) {
         both(3, std::string("c.vdb --method paper ") + options);
         const auto sorted = [&](const char* name) {
             const Gaussians model = read_ply(dir_ / name);
@@ -121,7 +121,7 @@ TEST_F(mpi_convert, paper_makes_the_same_gaussians) {
         };
         EXPECT_EQ(sorted("one.ply"), sorted("many.ply")) << options;
     }
-    must_fail_mpi(2, "-n 2 COMMAND convert c.vdb -o p.ply --method paper --strategy neighbours",
+    must_fail_mpi(2, "-n 2 COMMAND convert c.vdb -o p.ply --method paper --set strategy=neighbours",
                   "clusters go across parts");
 }
 
@@ -140,7 +140,7 @@ TEST_F(mpi_convert, budget_is_kept_and_about_as_good) {
 TEST_F(mpi_convert, header_keeps_all_options) {
     must("sample cloud c.vdb --size 64");
     const std::string others =
-        " --soft-steps 2 --mass-threshold 0.001 --spread 1.25 --axis-aligned";
+        " --soft-steps 2 --mass-threshold 0.001 --set spread=1.25 --axis-aligned";
     for (const std::string cut : {"--budget 300", "--error 0.3"}) {
         must_mpi(2, "convert c.vdb -o many.ply --no-hierarchy " + cut + others);
         EXPECT_EQ(read_ply(dir_ / "many.ply").options, cut + others + " (in 2 parts)");

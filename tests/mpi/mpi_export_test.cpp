@@ -201,7 +201,7 @@ TEST_F(mpi_export, an_export_again_keeps_chunks_and_removes_old_ones) {
     const Json resumed = exported(3, "c.vdb -o site/ --block 2");
     EXPECT_EQ(resumed["kept"].get<int>(), first["chunks"].get<int>() - 1);
     EXPECT_EQ(read_text(dir_ / "site/manifest.json"), manifest);
-    const Json coarse = exported(2, "c.vdb -o site/ --block 2 --step 0.1 --no-fields");
+    const Json coarse = exported(2, "c.vdb -o site/ --block 2 --set rounding=0.1 --no-fields");
     EXPECT_EQ(coarse["kept"], 0);
     EXPECT_GT(coarse["removed"], 0);
     expect_whole("site", coarse);
@@ -242,10 +242,9 @@ TEST_F(mpi_export, requests_without_sense_are_refused) {
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --carry heat", "--carry");
     must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --block 2 --budget 9", "exclude");
     must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --refine 1", "--refine");
-    must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --stamp", "--stamp");
     must_fail_mpi(2, "-n 2 COMMAND export c.vdb", "-o is missing: vog-mpi export c.vdb -o c/");
     EXPECT_NE(must_mpi(1, "export --help").out.find("--carry"), std::string::npos);
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --levels 3", "--levels");
+    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --set levels=3", "--set levels");
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --scale log", "--scale");
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --name A --name B", "--name");
     must_fail_mpi(1, "-n 2 COMMAND export c.ply -o site/ --show mean --field heat", "heat");

@@ -24,13 +24,13 @@ class mpi_render : public Mpi, public testing::WithParamInterface<int> {
 TEST_P(mpi_render, volumes_are_the_same) {
     must("sample cloud c.vdb --size 64");
     EXPECT_LE(differs("c.vdb"), kSameT);
-    EXPECT_LE(differs("c.vdb --interpolation linear --step 0"), kSameT);
+    EXPECT_LE(differs("c.vdb --interpolation linear --set step=0"), kSameT);
 }
 
 TEST_P(mpi_render, levels_that_hide_each_other_are_the_same) {
     must("sample amr a.vdb --size 64");
     EXPECT_LE(differs("a.vdb --grid 'density_L*'"), kSameT);
-    EXPECT_LE(differs("a.vdb --grid 'density_L*' --sum"), kSameT);
+    EXPECT_LE(differs("a.vdb --grid 'density_L*' --combine sum"), kSameT);
 }
 
 TEST_P(mpi_render, models_are_the_same) {
@@ -130,8 +130,8 @@ TEST_F(mpi_inputs, many_files_are_divided_by_files) {
     must("render" + models + common + "one.exr");
     must_mpi(2, "render" + models + common + "many.exr");
     EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
-    must("render --sum" + volumes + common + "one.exr");
-    must_mpi(2, "render --sum" + volumes + common + "many.exr");
+    must("render --combine sum" + volumes + common + "one.exr");
+    must_mpi(2, "render --combine sum" + volumes + common + "many.exr");
     EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
 }
 

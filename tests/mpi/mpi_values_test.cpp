@@ -21,7 +21,7 @@ TEST_P(mpi_values, models_by_value_are_the_same) {
                                  "--clip 0,0,0,40,90,90"),
               kSamePicture);
     EXPECT_LE(maximum_difference("e.ply"), kSamePicture);
-    for (const std::string clip : {"", "--clip -0.2,-0.4,-1,0.3,0.2,1 --clip-plane 1,1,0,-0.1 "}) {
+    for (const std::string clip : {"", "--clip -0.2,-0.4,-1,0.3,0.2,1 --clip 1,1,0,-0.1 "}) {
         SCOPED_TRACE(clip);
         const Differences maps = field_difference("e.ply " + clip + "--show mean --field density");
         EXPECT_LE(std::max(maps.column, maps.mean), kSamePicture);

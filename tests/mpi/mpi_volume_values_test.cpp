@@ -53,7 +53,7 @@ TEST_P(mpi_volume_values, emission_and_absorption_are_the_same) {
                   "0.1 --eye 0.1,0.05,0.3 --look-at 0,0,0"),
               kSamePicture);
     EXPECT_LE(picture_difference("e.vdb --orthographic --view +x --tf viridis --samples 2 "
-                                 "--clip -0.2,-0.4,-1,0.3,0.4,1 --clip-plane 0,1,1,-0.2"),
+                                 "--clip -0.2,-0.4,-1,0.3,0.4,1 --clip 0,1,1,-0.2"),
               kSamePicture);
     EXPECT_LE(picture_difference("e.vdb --light 1,2,1 --unit-distance 0.02 --view -z"),
               kSamePicture);
@@ -75,11 +75,11 @@ TEST_P(mpi_volume_values, means_deviations_and_maxima_are_the_same) {
          {"--show mean", "--show deviation --samples 2 --clip -0.2,-0.1,-1,0.3,0.2,1",
           // Larger voxels than pixels under parallel rays: added box by box.
           "--show mean --orthographic --view +y --width 0.3",
-          "--show mean --interpolation linear --step 0"}) {
+          "--show mean --interpolation linear --set step=0"}) {
         SCOPED_TRACE(options);
         EXPECT_LE(field_difference(heat + options).most(), kSamePicture);
     }
-    EXPECT_LE(maximum_difference(heat + "--samples 2 --clip-plane 1,0,0,0.1"), kSamePicture);
+    EXPECT_LE(maximum_difference(heat + "--samples 2 --clip 1,0,0,0.1"), kSamePicture);
     EXPECT_LE(maximum_difference("c.vdb --eye 0.1,0.1,0.2 --look-at 0,0,0"), kSamePicture);
 }
 
@@ -92,8 +92,8 @@ TEST_P(mpi_volume_values, levels_that_hide_each_other_are_the_same) {
     EXPECT_LE(field_difference(levels + "--show mean --field 'd=density_L*'").most(), kSamePicture);
     EXPECT_LE(maximum_difference(levels), kSamePicture);
     // Volumes that add up: where they overlap, so do their extinctions.
-    EXPECT_LE(picture_difference(levels + "--sum --unit-distance 0.02"), kSamePicture);
-    EXPECT_LE(maximum_difference(levels + "--sum"), kSamePicture);
+    EXPECT_LE(picture_difference(levels + "--combine sum --unit-distance 0.02"), kSamePicture);
+    EXPECT_LE(maximum_difference(levels + "--combine sum"), kSamePicture);
 }
 
 /// Lattices that do not fit: voxels hidden in part.
@@ -105,7 +105,7 @@ TEST_P(mpi_volume_values, levels_that_cut_voxels_are_the_same) {
         cube_of_values("density_L0", 20, {}, value),
         cube_of_values("density_L1", 17, lattice(0.5, {4.9, 4.0, 5.8}), value)};
     write_vdb(dir_ / "cut.vdb", levels);
-    const std::string mesh = "cut.vdb --grid 'density_L*' --mesh ";
+    const std::string mesh = "cut.vdb --grid 'density_L*' --combine mesh ";
     EXPECT_LE(picture_difference(mesh + "--light head --unit-distance 2"), kSamePicture);
     EXPECT_LE(maximum_difference(mesh), kSamePicture);
     EXPECT_LE(field_difference(mesh + "--show mean --field 'd=density_L*'").most(), kSamePicture);
@@ -186,7 +186,8 @@ TEST_F(mpi_volume_inputs, many_files_are_divided_by_files) {
         must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
         files += fmt::format(" v{}.vdb", n);
     }
-    const std::string render = "render" + files + " --sum --size 40 --background transparent ";
+    const std::string render =
+        "render" + files + " --combine sum --size 40 --background transparent ";
     for (const std::string show : {"volume --light head", "mean --field density"}) {
         must(render + "-o one.png --show " + show);
         must_mpi(2, render + "-o many.png --show " + show);
@@ -204,10 +205,10 @@ TEST_F(mpi_volume_inputs, what_parts_cannot_show_is_refused) {
     };
     refuse(2, "c.vdb --show volume --interpolation linear",
            "--show volume with --interpolation linear: samples begin where a ray enters");
-    refuse(2, "c.vdb --show mean --field density --interpolation linear", "expected --step 0");
+    refuse(2, "c.vdb --show mean --field density --interpolation linear", "expected --set step=0");
     refuse(2,
            "a.vdb --grid 'density_L*' --show mean --field 'd=density_L*' --interpolation linear "
-           "--step 0",
+           "--set step=0",
            "levels of a mesh need values that other ranks hold");
     refuse(1, "c.vdb --show volume --field heat", "heat");
     refuse(1, "c.vdb --show volume --tf missing.json", "missing.json");

@@ -14,24 +14,24 @@ import vog
         ({"lod": 3}, ["--lod", 3]),
         (
             {"block": 4, "soft_steps": 2, "spread": 1.1, "mass_threshold": 0.01, "axis_aligned": True, "measure": True},
-            ["--block", 4, "--soft-steps", 2, "--spread", 1.1, "--mass-threshold", 0.01, "--axis-aligned", "--measure-error"],
+            ["--block", 4, "--soft-steps", 2, "--set", "spread=1.1", "--mass-threshold", 0.01, "--axis-aligned", "--measure-error"],
         ),
         ({"method": "paper", "lod": 4}, ["--method", "paper", "--lod", 4]),
         (
             {"method": "paper", "strategy": "strict", "dense_block": 4, "amplitude": "mass", "kappa": 0.05},
-            ["--method", "paper", "--strategy", "strict", "--dense-block", 4, "--amplitude", "mass", "--kappa", 0.05],
+            ["--method", "paper", "--set", "strategy=strict", "--set", "dense-block=4", "--set", "amplitude=mass", "--set", "kappa=0.05"],
         ),
         (
             {"method": "paper", "strategy": "variance", "variance_threshold": 0.1, "opacity_threshold": 0.01},
-            ["--method", "paper", "--strategy", "variance", "--variance-threshold", 0.1, "--opacity-threshold", 0.01],
+            ["--method", "paper", "--set", "strategy=variance", "--set", "variance-threshold=0.1", "--set", "opacity-threshold=0.01"],
         ),
         (
             {"method": "paper", "strategy": "neighbours", "similarity": 0.3, "minimum_radius": 0.7},
-            ["--method", "paper", "--strategy", "neighbours", "--similarity", 0.3, "--minimum-radius", 0.7],
+            ["--method", "paper", "--set", "strategy=neighbours", "--set", "similarity=0.3", "--set", "minimum-radius=0.7"],
         ),
         (
             {"method": "paper", "strategy": "tree", "tree_depth": 2},
-            ["--method", "paper", "--strategy", "tree", "--tree-depth", 2],
+            ["--method", "paper", "--set", "strategy=tree", "--set", "tree-depth=2"],
         ),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
@@ -50,7 +50,7 @@ def test_models_are_the_commands_byte_for_byte(tmp_path, command, cloud, options
         ({"budget": 100, "value": "speed"}, ["--budget", 100, "--value", "speed"]),
         ({"block": 2, "neighbours": 4}, ["--block", 2, "--neighbours", 4]),
         ({"radius": 0.5, "error": 0.2}, ["--radius", 0.5, "--error", 0.2]),
-        ({"method": "paper", "kappa": 0.1}, ["--method", "paper", "--kappa", 0.1]),
+        ({"method": "paper", "kappa": 0.1}, ["--method", "paper", "--set", "kappa=0.1"]),
     ],
     ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
 )

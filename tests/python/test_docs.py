@@ -106,7 +106,8 @@ def test_from_yt_reads_enzos_levels_as_they_are(tmp_path, data):
 def test_real_files_look_the_same_as_the_commands(tmp_path, command, data):
     smoke = data("smoke.vdb")
     command("convert", smoke, "-o", "a.ply", "--budget", 3080, "--no-hierarchy")
-    command("render", "a.ply", "-o", "a.png", "--size", "320x400", "--fov", 30, "--save-camera", "camera.json")
+    report = command("render", "a.ply", "-o", "a.png", "--size", "320x400", "--fov", 30, "--json")
+    (tmp_path / "camera.json").write_text(report)
     model = vog.convert(vog.Volume.load(smoke), budget=3080)
     model.save(tmp_path / "b.ply")
     camera = vog.Camera.load(tmp_path / "camera.json")

@@ -17,8 +17,8 @@ from conftest import same_picture
     [
         ({}, []),
         ({"size": (90, 60), "renderer": "trace"}, ["--size", "90x60", "--renderer", "trace"]),
-        ({"size": 80, "aabb_sigma": 1.5}, ["--size", 80, "--aabb-sigma", 1.5]),
-        ({"size": 80, "kappa": 0.2, "extinction": 3}, ["--size", 80, "--kappa", 0.2, "--extinction", 3]),
+        ({"size": 80, "aabb_sigma": 1.5}, ["--size", 80, "--set", "aabb-sigma=1.5"]),
+        ({"size": 80, "kappa": 0.2, "extinction": 3}, ["--size", 80, "--set", "kappa=0.2", "--extinction", 3]),
         (
             {
                 "size": 40,
@@ -28,8 +28,8 @@ from conftest import same_picture
                 "stop_transmittance": 0.01,
                 "extinction": 20,
             },
-            ["--size", 40, "--renderer", "trace", "--anyhit", "collect", "--hits-per-slab", 8]
-            + ["--stop-transmittance", 0.01, "--extinction", 20],
+            ["--size", 40, "--renderer", "trace", "--set", "anyhit=collect", "--set", "hits-per-slab=8"]
+            + ["--set", "stop-transmittance=0.01", "--extinction", 20],
         ),
     ],
 )
@@ -47,7 +47,7 @@ def test_pictures_of_models_are_the_commands_bit_for_bit(tmp_path, command, mode
 @pytest.mark.parametrize(
     "options, flags",
     [({}, []), ({"interpolation": "linear", "step": 0.5, "samples": 2},
-      ["--interpolation", "linear", "--step", 0.5, "--samples", 2])],
+      ["--interpolation", "linear", "--set", "step=0.5", "--samples", 2])],
 )
 def test_pictures_of_voxels_are_the_commands_too(tmp_path, command, cloud, options, flags):
     cloud.save(tmp_path / "cloud.vdb")
@@ -93,7 +93,7 @@ def test_orbits_are_the_commands_views(tmp_path, command, model):
     model.save(tmp_path / "model.ply")
     for options, camera in (
         (["--view", "+z", "--up", "z"], vog.Camera.orbit(model, view="+z", up="z")),
-        (["--azimuth", "30", "--roll", "20"], vog.Camera.orbit(model, azimuth=30, roll=20)),
+        (["--view", "30,20", "--set", "roll=20"], vog.Camera.orbit(model, azimuth=30, elevation=20, roll=20)),
         (["--view", "-x", "--orthographic"], vog.Camera.orbit(model, view="-x", orthographic=True)),
         (["--orthographic", "--width", "70"], vog.Camera.orbit(model, width=70)),
         (["--view", "paper"], vog.Camera.paper_view(model)),
@@ -351,7 +351,7 @@ def test_a_folder_gets_a_site_of_the_whole_model(tmp_path, model):
 def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
     for name, some in (("a", model), ("b", model[::2])):
         some.save(tmp_path / f"{name}.ply")
-    flags = ["--title", "Two", "--levels", 2, "--background", "system", "--tf", "jet", "--extinction", 3]
+    flags = ["--title", "Two", "--set", "levels=2", "--background", "system", "--tf", "jet", "--extinction", 3]
     command("export", "a.ply", "b.ply", "-o", "command.html", *flags)
     report = vog.export_html(
         tmp_path / "python.html", {"a": model, "b": model[::2]},

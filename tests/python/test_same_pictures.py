@@ -56,10 +56,10 @@ def test_the_command_and_python_draw_the_same(command, tmp_path, sources, kind, 
     (["--window", "0.5,0.4"], {"window": (0.5, 0.4)}),
     (["--band", "0.1,0.3,#ff0000,0.2"], {"bands": [(0.1, 0.3, (1, 0, 0), 0.2)]}),
     (["--light", "head"], {"light": "head"}),
-    (["--light", "1,2,3", "--light-weights", "0.3,0.6,0.2,10"], {"light": (1, 2, 3), "light_weights": (0.3, 0.6, 0.2, 10)}),
+    (["--light", "1,2,3", "--set", "light-weights=0.3,0.6,0.2,10"], {"light": (1, 2, 3), "light_weights": (0.3, 0.6, 0.2, 10)}),
     (["--renderer", "trace"], {"renderer": "trace"}),
     (["--slabs", "7"], {"slabs": 7}),
-    (["--clip-plane", "1,0,0,0"], {"clip_planes": [(1, 0, 0, 0)]}),
+    (["--clip", "1,0,0,0"], {"clip_planes": [(1, 0, 0, 0)]}),
     (["--unit-distance", "0.1", "--background", "white"], {"unit_distance": 0.1, "background": "white"}),
 ])  # fmt: skip
 def test_volumes_are_the_same_with_options(command, tmp_path, sources, options, arguments):

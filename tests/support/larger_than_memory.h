@@ -49,7 +49,7 @@ class LargerThanMemory : public CommandLine {
         const std::string limit = std::to_string(megabytes);
         const auto free = peak_of(command + " free" + ending);
         const auto bound =
-            peak_of(command + " bound" + ending + " --scratch . --memory " + limit + "M");
+            peak_of(command + " bound" + ending + " --set scratch=. --memory " + limit + "M");
         std::cout << command << ": peaks of " << (free >> 20) << " MB without a limit and "
                   << (bound >> 20) << " MB with " << megabytes << "\n";
         EXPECT_GT(free, megabytes << 20) << command;

@@ -166,11 +166,11 @@ TEST_F(view_command, automatic_exposure_is_the_command_lines) {
     play("cloud.ply",
          "panels off\noverlay off\ncolorbar off\nsubframes 1\nwait\nexposure auto\npicture "
          "auto.png\n",
-         "--size 200x160 --tf plasma --background 0.2,0.4,0.6 --blend --azimuth 2 --fov 30");
+         "--size 200x160 --tf plasma --background 0.2,0.4,0.6 --blend --view 2,20 --fov 30");
     must(
         "render cloud.ply -o expected.png --size 200x160 --tf plasma --background 0.2,0.4,0.6 "
         "--blend "
-        "--azimuth 2 --fov 30");
+        "--view 2,20 --fov 30");
     expect_same_picture("expected.png", "auto.png");
 }
 
@@ -212,9 +212,9 @@ TEST_F(view_command, meshes_and_particles_match_the_other_commands) {
 
 TEST_F(view_command, files_of_every_kind_can_be_opened_later) {
     make_cloud();
-    must(
-        "render cloud.ply -o expected.png --size 100x80 --tf plasma --fov 20 --save-camera "
-        "camera.json --extinction 3");
+    write("camera.json", must("render cloud.ply -o expected.png --size 100x80 --tf plasma --fov 20 "
+                              "--extinction 3 --json")
+                             .out);
     write("look.json", R"({"name": "p", "colors": "plasma"})");
     write("other.json", "{}");
     play("",
@@ -400,7 +400,7 @@ TEST_F(view_command, voxels_show_quantities_and_options_choose_the_first) {
 
 TEST_F(view_command, clip_planes_are_the_command_lines) {
     make_cloud();
-    const std::string planes = " --clip-plane=1,0.5,0,2 --clip-plane=0,0,-1,-3";
+    const std::string planes = " --clip=1,0.5,0,2 --clip=0,0,-1,-3";
     for (const char* renderer : {"gl", "splat"}) {
         play("cloud.ply",
              "size 120 100\npanels off\noverlay off\ncolorbar off\nrenderer " +
@@ -413,8 +413,7 @@ TEST_F(view_command, clip_planes_are_the_command_lines) {
             planes);
         expect_same_picture("r.png", "mean.png");
     }
-    must_fail(2, "view cloud.ply --headless --script play.vog --clip-plane=1,0,0",
-              "expected nx,ny,nz,d");
+    must_fail(2, "view cloud.ply --headless --script play.vog --clip=1,0,0", "a plane NX,NY,NZ,D");
 }
 
 TEST_F(view_command, pictures_keep_their_request) {
@@ -424,7 +423,7 @@ TEST_F(view_command, pictures_keep_their_request) {
         play("cloud.ply",
              "size 120 100\npanels off\noverlay off\ncolorbar off\nrenderer splat\nwait\npicture "
              "shown.png\n",
-             std::string("--clip-plane=1,0.5,0,2 --view +x --show ") + show);
+             std::string("--clip=1,0.5,0,2 --view +x --show ") + show);
         must("render --request shown.png -o again.png");
         expect_same_picture("again.png", "shown.png");
     }

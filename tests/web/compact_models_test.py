@@ -98,7 +98,7 @@ class CompactModels(NodeTest):
     def test_shapes_and_fields_are_the_librarys(self):
         vog("convert", sampled_cloud(), "-o", "cloud.ply", "--block", 4)
         self.expect_the_librarys("cloud.ply")
-        self.expect_the_librarys("cloud.ply", "--step", 1e-5, "--field-step", 1e-6)
+        self.expect_the_librarys("cloud.ply", "--set", "rounding=1e-5", "--set", "field-rounding=1e-6")
         self.expect_the_librarys("cloud.ply", "--hierarchy")
         write_flow(self.folder / "flow.ply")
         self.expect_the_librarys("flow.ply")
@@ -112,7 +112,7 @@ class CompactModels(NodeTest):
             rows += [draw.uniform(-50, 50) + 900 * (n % 2), draw.uniform(-1e4, 1e4), draw.gauss(0, 9), s, s, s, 1 + draw.random()]
         write_model(self.folder / "far.ply", rows)
         self.expect_the_librarys("far.ply")
-        self.expect_the_librarys("far.ply", "--step", 1e-5)
+        self.expect_the_librarys("far.ply", "--set", "rounding=1e-5")
 
     def test_no_gaussians(self):
         write_model(self.folder / "none.ply", [])

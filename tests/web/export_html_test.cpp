@@ -152,9 +152,9 @@ TEST_F(cli_export, pages_of_models_volumes_and_particles) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o fine.ply --block 2");
     must("convert c.vdb -o coarse.ply --block 8");
-    const auto report = nlohmann::json::parse(
-        must("export fine.ply coarse.ply -o two.html --name A --name B --title T --levels 2 --json")
-            .out);
+    const auto report = nlohmann::json::parse(must("export fine.ply coarse.ply -o two.html --name "
+                                                   "A --name B --title T --set levels=2 --json")
+                                                  .out);
     EXPECT_EQ(report["models"][0]["name"], "A");
     EXPECT_EQ(report["models"][0]["levels"].size(), 2u);
     EXPECT_EQ(report["bytes"], std::filesystem::file_size(dir_ / "two.html"));
@@ -172,8 +172,8 @@ TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction)
     must("sample explosion step_10.vdb --size 64");
     must("convert 'step_*.vdb' -o models/ --block 8");
     for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
-        const auto report =
-            nlohmann::json::parse(must("export " + inputs + " -o pages/ --json --levels 1").out);
+        const auto report = nlohmann::json::parse(
+            must("export " + inputs + " -o pages/ --json --set levels=1").out);
         ASSERT_EQ(report["pages"].size(), 2u);
         EXPECT_EQ(report["pages"][0]["output"], "pages/step_2.html");
         EXPECT_EQ(report["pages"][1]["output"], "pages/step_10.html");
@@ -220,7 +220,7 @@ TEST_F(cli_export, errors_are_one_clear_line) {
     must_fail(2, "export m.ply -o page.html --name a --name b", "2 names for 1 models");
     must_fail(2, "export m.ply -o few.ply --title T", "--title has no effect with -o FILE.ply");
     must_fail(2, "export m.ply -o page.html --radius 3", "--radius has no effect with models");
-    must_fail(2, "export m.ply -o page.html --levels 0", "--levels");
+    must_fail(2, "export m.ply -o page.html --set levels=0", "--set levels");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "page.html"));
 }
 

@@ -29,7 +29,7 @@ class Maxima(QuantityTest):
         self.pictures("model.html")
 
     def test_maxima_of_precise_pages_are_nearer(self):
-        vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise", "--tf", "inferno")
+        vog("export", "model.ply", "-o", "precise.html", "--set", "levels=1", "--precise", "--tf", "inferno")
         self.pictures("precise.html")
 
     def test_maxima_have_a_number_and_a_link(self):
@@ -51,7 +51,7 @@ class Maxima(QuantityTest):
         self.assertIn("show=maximum&field=density&range=0,2.5", self.value("window.copied"))
 
     def test_maxima_come_first_of_any_scalar_field(self):
-        vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "maximum", "--field", "temperature", "--slabs", 50)
+        vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "maximum", "--field", "temperature", "--slabs", 50)
         self.start("first.html")
         self.assertEqual(self.value("[vog.page.quantity.slabs, vog.page.quantity.maximumSlabs]"), [32, 50])
         ends = self.value("vog.page.models[0].fields[0].ranges[''].maximum")

@@ -79,7 +79,7 @@ class Quantities(QuantityTest):
         stride = len(rows) // count
         kept = [rows[n * stride:(n + 1) * stride] for n in range(count) if n % 50 != 25]
         (self.folder / "fewer.ply").write_bytes(head.replace(b"vertex %d" % count, b"vertex %d" % len(kept)) + b"end_header\n" + b"".join(kept))
-        vog("export", "fewer.ply", "-o", "fewer.html", "--levels", 1, "--tf", "inferno")
+        vog("export", "fewer.ply", "-o", "fewer.html", "--set", "levels=1", "--tf", "inferno")
         tf = ("--tf", self.write_transfer(RAMP))
 
         def expect_failures():
@@ -110,7 +110,7 @@ class Quantities(QuantityTest):
         expect_failures()
 
     def test_precise_pages_are_within_2_of_255(self):
-        vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise")
+        vog("export", "model.ply", "-o", "precise.html", "--set", "levels=1", "--precise")
         usual, precise = ((self.folder / name).stat().st_size for name in ("model.html", "precise.html"))
         self.start("precise.html")
         box, lens, light = self.value("vog.page.models[0].box"), self.value("vog.state.camera"), self.value("vog.state.light")
@@ -140,9 +140,9 @@ class Quantities(QuantityTest):
         self.start("model.html")
         slanted, flat = (2, 0.5, -1), (0, -1, 0)
         places = [self.plane_through(slanted, -0.1), self.plane_through(flat, -0.3)]
-        planes = ["--clip-plane=" + ",".join(map(repr, (*normal, place))) for normal, place in zip((slanted, flat), places)]
+        planes = ["--clip=" + ",".join(map(repr, (*normal, place))) for normal, place in zip((slanted, flat), places)]
         # The export's planes are the page's first ones.
-        vog("export", "model.ply", "-o", "planes.html", "--levels", 1, "--tf", "inferno", *planes)
+        vog("export", "model.ply", "-o", "planes.html", "--set", "levels=1", "--tf", "inferno", *planes)
         whole = self.bytes()
         self.start("planes.html")
         extinction = repr(self.value("vog.page.models[0].extinction"))
@@ -172,8 +172,8 @@ class Quantities(QuantityTest):
         self.assertNotEqual(self.bytes(), cut)
         # Ten at most.
         self.assertIn("11 planes, expected at most 10", self.refused("export", "model.ply", "-o", "x.html", *planes[:1] * 11))
-        self.assertIn("expected nx,ny,nz,d", self.refused("export", "model.ply", "-o", "x.html", "--clip-plane", "1,2,3"))
-        vog("export", "model.ply", "-o", "ten.html", "--levels", 1, *(f"--clip-plane={x},1,0,{-200 - x}" for x in range(10)),
+        self.assertIn("or a plane NX,NY,NZ,D", self.refused("export", "model.ply", "-o", "x.html", "--clip", "1,2,3"))
+        vog("export", "model.ply", "-o", "ten.html", "--set", "levels=1", *(f"--clip={x},1,0,{-200 - x}" for x in range(10)),
             "--clip=-100,-100,-100,100,100,100")
 
     def test_planes_are_added_moved_turned_and_removed_by_keys(self):
@@ -197,7 +197,7 @@ class Quantities(QuantityTest):
         shown = self.value("document.querySelector('#planes output').textContent")
         self.assertAlmostEqual(float(shown), plane["offset"], delta=1e-3 * abs(plane["offset"]) + 1e-6)
         self.expect_page_is("model.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")),
-                            "--clip-plane=" + ",".join(map(repr, [*plane["normal"], plane["offset"]])))
+                            "--clip=" + ",".join(map(repr, [*plane["normal"], plane["offset"]])))
         # The other side of the same plane, then the one behind what is seen.
         choose = ("(() => { const side = document.querySelector('#planes select'); side.value = '%s';"
                   " side.dispatchEvent(new Event('change')); })()")
@@ -244,15 +244,15 @@ class Quantities(QuantityTest):
         self.volume(RAMP, "--slabs", 8)
 
     def test_a_page_begins_as_its_command_says(self):
-        vog("export", "model.ply", "-o", "first.html", "--levels", 1, "--show", "volume", "--tf", self.write_transfer(RAMP))
+        vog("export", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "volume", "--tf", self.write_transfer(RAMP))
         self.start("first.html")
         self.volume(RAMP)
-        vog("export", "model.ply", "-o", "first.html", "--levels", 1, "--show", "column", "--scale", "log", "--tf", "viridis")
+        vog("export", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "column", "--scale", "log", "--tf", "viridis")
         self.start("first.html")
         low, high = self.value("[vog.state.scale.low, vog.state.scale.high]")
         self.assertEqual([low, high], self.value("[vog.page.models[0].lowColumn, vog.page.models[0].mostColumn]"))
         self.expect_page_is("model.ply", "--show", "column", "--scale", "log", "--tf", "viridis", "--range", f"{low!r},{high!r}", off=RIM)
-        vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "mean", "--field", "velocity.x",
+        vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "mean", "--field", "velocity.x",
             "--range=-40,40", "--tf", "viridis")
         self.start("first.html")
         self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.x", "--range=-40,40", "--tf", "viridis")
@@ -278,7 +278,7 @@ class Quantities(QuantityTest):
         self.assertFalse(self.value("document.getElementById('log').checked"))
 
     def test_root_mean_squares_come_first_have_a_number_and_are_of_means_alone(self):
-        vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis")
+        vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis")
         self.start("first.html", "#subframes=1")
         self.assertEqual(self.value("document.getElementById('of-quantity').textContent"), "root mean square of velocity [km/s]")
         ends = self.value("[low.value, high.value]")
@@ -378,7 +378,7 @@ class Quantities(QuantityTest):
     def test_steps_play_scrub_and_keep_one_range(self):
         for step, block in ((1, 4), (2, 8), (10, 16)):
             vog("convert", "plume.vdb", "-o", f"t_{step}.ply", "--block", block, "--soft-steps", 0)
-        vog("export", "t_*.ply", "-o", "steps.html", "--levels", 1)
+        vog("export", "t_*.ply", "-o", "steps.html", "--set", "levels=1")
         self.start("steps.html", "#subframes=1")
         self.browser.viewport(1000, 800, COARSE)
         names = self.value("vog.page.models.map(({name}) => name)")
@@ -452,7 +452,7 @@ class Quantities(QuantityTest):
         self.assertEqual(self.bytes(), before)
 
     def test_a_model_without_fields_offers_none(self):
-        vog("export", "model.ply", "-o", "bare.html", "--levels", 1, "--no-fields")
+        vog("export", "model.ply", "-o", "bare.html", "--set", "levels=1", "--no-fields")
         self.start("bare.html", "#subframes=1&show=volume")
         self.assertEqual(self.value("[...show.options].map(({value}) => value)"), ["T", "column"])
         self.assertEqual(self.value("vog.state.show"), "T")

@@ -67,7 +67,7 @@ class QuantityTest(PageTest):
         write_flow(cls.folder / "flow.ply")
         # From black: where a map begins with a colour, the pixel at which a support ends differs by all of it.
         for name in "model", "flow":
-            vog("export", f"{name}.ply", "-o", f"{name}.html", "--levels", 1, "--tf", "inferno")
+            vog("export", f"{name}.ply", "-o", f"{name}.html", "--set", "levels=1", "--tf", "inferno")
 
     def start(self, page, fragment="#subframes=1&embed"):
         self.browser.viewport(*self.size)
@@ -100,7 +100,7 @@ class QuantityTest(PageTest):
     def expect_map_is(self, model, *options):
         """The same for a map of a field, which has no colour below a thousandth of the picture's largest column."""
         width, height = self.write_camera()
-        clips = [option for option in options if option.startswith("--clip-plane=")]
+        clips = [option for option in options if option.startswith("--clip=")]
         vog("render", model, "--show", "column", "--values-out", "column.npy", "--camera", "camera.json",
             "--size", f"{width}x{height}", *clips)
         column = array.array("f", (self.folder / "column.npy").read_bytes()[-4 * width * height:])
@@ -108,6 +108,6 @@ class QuantityTest(PageTest):
         self.value(f"vog.page.models[0].mostColumn = {10 * max(column)!r}; vog.change({{}})")
         self.browser.settle()
         # A pixel whose column is the bound to rounding has a colour in one of the two.
-        found = self.compared(model, "--least-column", 1e-3, *options)
+        found = self.compared(model, "--set", "least-column=1e-3", *options)
         for steps, share in self.measured_maps.items():
             self.hold(f"maps: share off by more than {steps}", found[f"off_by_more_than_{steps}"], FACTOR * share)

@@ -169,11 +169,11 @@ class Quantities(SiteTest):
         self.start("flow", size=(100, 80))
         self.change({"show": "column", "scale": {"low": 0, "high": 3, "log": False}, "map": "viridis"})
         self.expect_page_is("--show", "column", "--tf", "viridis", "--range", "0,3")
-        self.value("vog.page.models[0].mostColumn = 0")  # a colour for every pixel, as --least-column 0
+        self.value("vog.page.models[0].mostColumn = 0")  # a colour for every pixel, as --set least-column=0
         self.change({"show": "mean", "field": 0, "part": "", "scale": {"low": 280, "high": 320, "log": False}})
-        self.expect_page_is("--show", "mean", "--field", "temperature", "--tf", "viridis", "--range", "280,320", "--least-column", "0")
+        self.expect_page_is("--show", "mean", "--field", "temperature", "--tf", "viridis", "--range", "280,320", "--set", "least-column=0")
         self.change({"field": 1, "part": "x", "scale": {"low": -20, "high": 20, "log": False}})
-        self.expect_page_is("--show", "mean", "--field", "velocity.x", "--tf", "viridis", "--range=-20,20", "--least-column", "0")
+        self.expect_page_is("--show", "mean", "--field", "velocity.x", "--tf", "viridis", "--range=-20,20", "--set", "least-column=0")
 
     def test_volumes_by_value_and_maxima(self):
         self.start("flow", size=(60, 50))
@@ -312,7 +312,7 @@ class Ranges(Elsewhere):
             page = self.serve("page") if (self.folder / "page").exists() else None
             (self.folder / "page").mkdir(exist_ok=True)
             page = page or self.serve("page")
-            words = ["--allow-origin", page.url[:-1]] if allowed else []
+            words = ["--set", f"allow-origin={page.url[:-1]}"] if allowed else []
             server = subprocess.Popen([VOG, "serve", self.folder / "files/dust.vogz", "--port", "0", *words], stdout=subprocess.PIPE, text=True)
             try:
                 address = server.stdout.readline().strip()
@@ -339,7 +339,7 @@ class Fields(Elsewhere):
     def make(cls):
         write_flow(cls.folder / "flow.ply", 9000)
         (cls.folder / "files").mkdir()
-        vog("export", "flow.ply", "-o", "files/flow.vogz", "--hierarchy", "--deflate", "--step", "0.001", "--field-step", "0.0005")
+        vog("export", "flow.ply", "-o", "files/flow.vogz", "--hierarchy", "--deflate", "--set", "rounding=0.001", "--set", "field-rounding=0.0005")
         vog("export", "files/flow.vogz", "-o", "files/index.html", "--from", "flow.vogz")
         vog("export", "flow.ply", "-o", "flow/")
 
@@ -350,7 +350,7 @@ class Fields(Elsewhere):
         before = len(server.asked)
         self.change({"show": "mean", "field": 0, "part": "", "scale": {"low": 280, "high": 320, "log": False}, "map": "viridis"})
         self.assertGreater(len(server.asked), before)
-        self.value("vog.page.models[0].mostColumn = 0")  # a colour for every pixel, as --least-column 0
+        self.value("vog.page.models[0].mostColumn = 0")  # a colour for every pixel, as --set least-column=0
         self.change({})
         for field, part, name, scale in ((0, "", "temperature", "280,320"), (1, "x", "velocity.x", "-20,20")):
             low, high = map(int, scale.split(","))
@@ -358,7 +358,7 @@ class Fields(Elsewhere):
             self.picture()
             width, height = self.write_camera()
             vog("render", "files/flow.vogz", "-o", "cpu.png", "--camera", "camera.json", "--size", f"{width}x{height}", "--show", "mean",
-                "--field", name, "--tf", "viridis", f"--range={scale}", "--least-column", "0")
+                "--field", name, "--tf", "viridis", f"--range={scale}", "--set", "least-column=0")
             self.hold("-PSNR of fields by ranges [dB]", -self.psnr("cpu.png", "web.png"), FACTOR_DB - 76.0)
 
     def test_a_site_elsewhere(self):

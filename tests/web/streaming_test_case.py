@@ -211,7 +211,7 @@ class NodeSiteTest(Served, NodeTest):
 
     def expect_whole(self, model="dust.ply", least=LEAST_PSNR_DB):
         """Expects what is drawn to look like all of a model (node/likeness.mjs)."""
-        vog("export", model, "-o", "whole.vogz", "--deflate", "--step", 0.001)
+        vog("export", model, "-o", "whole.vogz", "--deflate", "--set", "rounding=0.001")
         data = base64.b64encode((self.folder / "whole.vogz").read_bytes()).decode()
         self.settle()
         found = self.value(f"likeness('{data}')")

@@ -8,13 +8,14 @@
 
 #include <optional>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "options/option_effects.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "options/request_options.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/compare_maps.h"
 #include "vog/error.h"
 
@@ -216,7 +217,7 @@ Compared compared_kind(const std::string& file) {
     return is_depth_file(file) ? Compared::depth : Compared::picture;
 }
 
-void compare_files(const CompareArguments& arguments, const CLI::App& command) {
+void compare_files(const CompareArguments& arguments, const GivenOptions& command) {
     if (!arguments.diff.empty())
         check_output(arguments.diff, {arguments.reference, arguments.image, arguments.tf},
                      {".png"});
@@ -260,7 +261,7 @@ void add_compare(CLI::App& app) {
                         "Heat map of the differences to write, .png: of V = 1 - exp(-T) for "
                         "depth images, of the channel that differs most for pictures");
     command
-        ->add_option("--diff-limit", arguments->diff_limit,
+        ->add_option(setting("diff-limit"), arguments->diff_limit,
                      "Difference at the end of the heat map's scale, in units of 1/255; 0: the "
                      "largest difference, rounded up to 1, 2 or 5 times a power of ten")
         ->check(non_negative_number())
@@ -279,7 +280,7 @@ void add_compare(CLI::App& app) {
     command->add_flag("--json", arguments->json,
                       "Print a single JSON object; null: infinite or "
                       "undefined");
-    command->callback([arguments, command] { compare_files(*arguments, *command); });
+    command->callback([arguments, command] { compare_files(*arguments, GivenOptions(*command)); });
 }
 
 }  // namespace vog::cli

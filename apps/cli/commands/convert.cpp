@@ -8,14 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "fields/field_conversion.h"
 #include "options/conversion_options.h"
 #include "options/field_options.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "shared/convert_run.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
-#include "shared/validators.h"
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -26,14 +27,15 @@
 
 namespace vog::cli {
 
+namespace {
+
+/// Stage times as text: "octree 98 ms, search 1200 ms".
 std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms) {
     std::string text;
     for (const auto& [name, ms] : stage_ms)
         text += fmt::format("{}{} {:.3g} ms", text.empty() ? "" : ", ", name, ms);
     return text;
 }
-
-namespace {
 
 double share_of_voxels(const Converted& made) {
     return made.source_voxels
@@ -85,14 +87,14 @@ void note_stopped(const std::string& input, double measured) {
         input, measured, kVoxelsPerGaussian, count_text(kSmallCount), kDefaultError));
 }
 
-nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, const CLI::App& command,
-                                         const ConvertRanks& ranks) {
+nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
+                                         const GivenOptions& command, const ConvertRanks& ranks) {
     const MomentOptions& cut = arguments.moments;
     PointOptions options = point_options(arguments.points);
     options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
     options.budget = cut.budget;
     options.error = cut_option(command) == "--error" ? cut.error : 0;
-    if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
+    if (command.has("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;
     options.collective = ranks.collective;
@@ -134,7 +136,6 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     if (options.error > 0 && one.measured_error > options.error)
         note_missed(arguments.inputs.front(), one.measured_error, options.error);
     if (!paper) model.summary = summary_text(model, totals.report(sum), "particles");
-    if (!paper && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
     stages.run("save", [&] { write_model(arguments.output, model, hierarchy); });
     Converted made = converted(model, hierarchy, arguments.output);
@@ -145,7 +146,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
 /// Converts all inputs to one model.
 /// in_sequence  whether it is one of a folder's
 /// returns      the report of --json; null where it was printed in words
-nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
+nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const GivenOptions& command,
                                    const ConvertRanks& ranks, bool in_sequence = false) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (ranks.collective && extension_of(arguments.output) == ".vogz")
@@ -162,7 +163,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     Facts facts = conversion_facts(arguments, command, kind);
     facts["output"] = in_sequence ? "models/" : extension_of(arguments.output);
     // Particles that are written as they are: masses count where negative ones become 0.
-    if (!command.count("--clip-negative")) facts["values"] = facts["output"];
+    if (!command.has("--clip-negative")) facts["values"] = facts["output"];
     require_effects(command, facts);
     if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
     const bool by_moments = arguments.method == "moments";
@@ -171,7 +172,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
     if (ranks.convert_volumes && arguments.points.periodic)
-        throw CLI::ValidationError(
+        throw UsageError(
             "--periodic: volumes of a periodic box are converted by one process, expected vog "
             "convert");
     if (ranks.convert_volumes)
@@ -261,9 +262,10 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     Gaussians model = std::move(parts.front());
     for (std::size_t n = 1; n < parts.size(); ++n) append(model, parts[n]);
     if (model.size() == 0)
-        throw Error(fmt::format(
-            "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
-            arguments.inputs.front(), paper.opacity_threshold));
+        throw Error(
+            fmt::format("{}: no Gaussian: no group of voxels has a mean density above --set "
+                        "opacity-threshold={}",
+                        arguments.inputs.front(), paper.opacity_threshold));
     if (period) add_periodic_images(model, *period);
     if (by_moments)
         model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
@@ -271,10 +273,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (!arguments.joint_field.empty()) {
         model.options += " --for " + arguments.joint_field;
         if (arguments.joint_steps != kJointSteps)
-            model.options += fmt::format(" --joint-steps {}", arguments.joint_steps);
+            model.options += fmt::format(" --set joint-steps={}", arguments.joint_steps);
         model.summary += ", " + joint_text(arguments.joint_field, joint);
     }
-    if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
     stages.run("save", [&] { write_model(arguments.output, model, hierarchy); });
@@ -333,10 +334,11 @@ nlohmann::ordered_json joined(nlohmann::ordered_json own, const ConvertRanks& ra
 
 /// Converts every input to a model of its own. Models newer than their input are kept, unless
 /// --again is given.
-nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const CLI::App& command,
-                                        std::uint64_t memory, const ConvertRanks& ranks) {
+nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments,
+                                        const GivenOptions& command, std::uint64_t memory,
+                                        const ConvertRanks& ranks) {
     if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
-        throw CLI::ValidationError(
+        throw UsageError(
             "--grid with a pattern joins grids to the levels of one mesh, which a sequence does "
             "not "
             "support; expected one file and one output at a time");
@@ -368,7 +370,8 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const
     return joined(std::move(json), ranks);
 }
 
-void convert(const ConvertArguments& given, const CLI::App& command, const ConvertRanks& ranks) {
+void convert(const ConvertArguments& given, const GivenOptions& command,
+             const ConvertRanks& ranks) {
     ConvertArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
     arguments.volume.ones = given.measure == "volume";
@@ -496,7 +499,7 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
             "--lod", arguments->lod,
             "Level of detail, 1 (finest) to 5 (coarsest). moments: uniform cells with edges "
             "of 2, 4, 8, 16, 32 voxels. paper: dense blocks with edges of 2, 4, 8, 8, 8 "
-            "voxels, and for sparse leaves --strategy smart (1-3), strict (4), single (5)")
+            "voxels, and for sparse leaves --set strategy=smart (1-3), strict (4), single (5)")
         ->check(CLI::Range(1, 5));
     command->add_option(
         "--field", arguments->fields,
@@ -511,7 +514,7 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
         "--show volume) or the name of a --field. T is less exact; by how much is reported. "
         "--error and --refine then judge pictures by value");
     command
-        ->add_option("--joint-steps", arguments->joint_steps,
+        ->add_option(setting("joint-steps"), arguments->joint_steps,
                      "Steps of --for; more serve narrow bands of values, and cost T")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
@@ -539,7 +542,8 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
                       "Write no level-of-detail hierarchy (coarser Gaussians for distant views): a "
                       "smaller file, but distant views cost as much as near ones");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    command->callback([arguments, command, ranks] { convert(*arguments, *command, ranks); });
+    command->callback(
+        [arguments, command, ranks] { convert(*arguments, GivenOptions(*command), ranks); });
     return command;
 }
 

@@ -2,7 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "help/machine_report.h"
 #include "shared/terminal.h"
 #ifdef VOG_VIEWER

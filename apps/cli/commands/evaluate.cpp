@@ -6,13 +6,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "fields/volume_fields.h"
 #include "options/option_effects.h"
+#include "options/parser/validators.h"
 #include "options/request_options.h"
 #include "shared/evaluate_run.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 
@@ -70,7 +70,7 @@ void print(const Evaluation& evaluation) {
 }
 
 /// Takes the models out of the inputs.
-/// throws  CLI::ValidationError, vog::Error for models without volumes
+/// throws  UsageError, vog::Error for models without volumes
 void take_models(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     std::vector<std::string> volumes;
     for (const std::string& input : arguments.inputs)
@@ -81,8 +81,8 @@ void take_models(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
             fmt::format("{}: holds a model, expected a volume: its voxels are the reference",
                         arguments.inputs.front()));
     if (ranks.load && !arguments.models.empty())
-        throw CLI::ValidationError(arguments.models.front() +
-                                   ": models are evaluated by one process, expected vog evaluate");
+        throw UsageError(arguments.models.front() +
+                         ": models are evaluated by one process, expected vog evaluate");
     arguments.inputs = std::move(volumes);
 }
 
@@ -107,7 +107,7 @@ void set_transfer_functions(EvaluateArguments& arguments) {
         arguments.options.value_functions = arguments.tfs;
         return;
     }
-    if (arguments.tfs.size() > 1) throw CLI::ValidationError("--tf: several are of --show volume");
+    if (arguments.tfs.size() > 1) throw UsageError("--tf: several are of --show volume");
     if (!arguments.tfs.empty()) arguments.options.tf = arguments.tfs.front();
 }
 
@@ -241,7 +241,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     command->callback([arguments, command, ranks] {
         const std::vector<std::string>& inputs = arguments->inputs;
-        require_effects(*command, {{"input", input_fact(FileKind::volume, inputs)}});
+        require_effects(GivenOptions(*command), {{"input", input_fact(FileKind::volume, inputs)}});
         arguments->volume.refuse_several = true;  // of another grid the figures would be others
         evaluate_files(*arguments, ranks);
     });

@@ -7,20 +7,20 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "fields/volume_fields.h"
-#include "models/compact_options.h"
 #include "models/compact_run.h"
 #include "models/exchange_run.h"
 #include "models/page_options.h"
 #include "models/site_run.h"
 #include "options/memory_options.h"
 #include "options/option_effects.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
@@ -81,7 +81,7 @@ std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::si
     print_notes(notes);
     if (lattice) *lattice = inverse(set.volumes.front().world_from_index);
     if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
-        throw CLI::ValidationError(
+        throw UsageError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
     if (set.is_mesh() && mesh.parts.empty())
@@ -155,7 +155,7 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
 }
 
 /// Writes all models as one, exactly or compact.
-Json write_joined(const ExportArguments& arguments, const CLI::App& command,
+Json write_joined(const ExportArguments& arguments, const GivenOptions& command,
                   const std::vector<HtmlModel>& entries, Stages& stages) {
     Gaussians model;
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
@@ -163,12 +163,12 @@ Json write_joined(const ExportArguments& arguments, const CLI::App& command,
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     const Vec3d up = up_of(arguments.page.view, vog::subject_of(model.box, model.content));
     if (is_splat_output(arguments.output, arguments.splats))
-        return write_exchange(arguments.output, std::move(model), arguments.splats,
-                              {page_request(arguments.page).extinction,
-                               arguments.page.words.word("tf", default_map(Show::depth)),
-                               arguments.page.words.word("field"),
-                               command.count("--tf") + command.count("--field") > 0, up},
-                              stages, arguments.json);
+        return write_exchange(
+            arguments.output, std::move(model), arguments.splats,
+            {page_request(arguments.page).extinction,
+             arguments.page.words.word("tf", default_map(Show::depth)),
+             arguments.page.words.word("field"), command.has_any({"--tf", "--field"}), up},
+            stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz") {
         CompactArguments compact = arguments.compact;
         compact.values = arguments.volume.values;
@@ -214,7 +214,7 @@ struct Exported {
     HtmlQuantity quantity{};
 };
 
-Exported write_page(const ExportArguments& arguments, const CLI::App& command,
+Exported write_page(const ExportArguments& arguments, const GivenOptions& command,
                     std::vector<HtmlModel> entries, Stages& stages,
                     std::vector<std::string>& notes) {
     check_names(arguments.page, entries.size());
@@ -224,8 +224,6 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
         page_options(arguments.page, command, entries.front(), arguments.inputs.front(), notes);
     const HtmlReport report =
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
-    if (options.camera && !arguments.page.view.save_camera.empty())
-        write_camera(arguments.page.view.save_camera, *options.camera);
     return {report_page(arguments, entries, report, stages), report.extinction, options.quantity};
 }
 
@@ -240,7 +238,7 @@ void refuse_binary_usd(const std::string& output) {
 }
 
 /// Writes one page or one PLY.
-Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
+Exported export_one(const ExportArguments& arguments, const GivenOptions& command) {
     refuse_binary_usd(arguments.output);
     check_output(arguments.output, arguments.inputs,
                  {".html", ".ply", ".vogz", ".spz", ".glb", ".usda"});
@@ -260,10 +258,9 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
 /// Writes one page per input, under one camera, which frames all boxes, and the extinction of the
 /// first page.
 /// returns  the report of --json
-Json export_sequence(const ExportArguments& all, const CLI::App& command) {
+Json export_sequence(const ExportArguments& all, const GivenOptions& command) {
     if (!all.page.names.empty())
-        throw CLI::ValidationError(
-            "--name names the models of one page: not for a folder of pages");
+        throw UsageError("--name names the models of one page: not for a folder of pages");
     ExportArguments one = all;
     one.page.subject = Subject{};
     for (const std::string& input : all.inputs)
@@ -308,7 +305,7 @@ SiteInput read_site_input(const ExportArguments& arguments, FileKind kind, std::
 
 /// Writes a site: the models' chunks, the manifest, and the page.
 /// returns  the report of --json
-Json export_site(const ExportArguments& arguments, const CLI::App& command) {
+Json export_site(const ExportArguments& arguments, const GivenOptions& command) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     require_effects(command, facts_of(arguments, kind));
     const std::size_t count = kind == FileKind::model ? arguments.inputs.size() : 1;
@@ -324,24 +321,22 @@ Json export_site(const ExportArguments& arguments, const CLI::App& command) {
             return page_options(arguments.page, command, first, arguments.inputs.front(), notes);
         },
         stages);
-    if (site.options.camera && !arguments.page.view.save_camera.empty())
-        write_camera(arguments.page.view.save_camera, *site.options.camera);
     return report_site(arguments.output, !arguments.json, site, stages, notes);
 }
 
 /// Writes a page alone, of a site or a compact file whose copy lies at an address.
 /// returns  the report of --json
-Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command) {
+Json export_elsewhere(const ExportArguments& arguments, const GivenOptions& command) {
     require_effects(command, facts_of(arguments, FileKind::model));
     check_output(arguments.output, arguments.inputs, {".html"});
     const std::string& input = arguments.inputs.front();
     const bool site = is_site(input);
     if (arguments.inputs.size() > 1 || (!site && extension_of(input) != ".vogz"))
-        throw CLI::ValidationError(
+        throw UsageError(
             "--from: expected one site (a folder) or one compact model (.vogz), whose copy lies at "
             "the address");
     ExportArguments page = arguments;
-    if (site && command.count("--steps") == 0) page.page.steps = read_site_info(input).steps;
+    if (site && !command.has("--steps")) page.page.steps = read_site_info(input).steps;
     HtmlSource source{arguments.from, !site};
     if (site && !source.url.ends_with('/')) source.url += '/';
     Stages stages(arguments.verbose);
@@ -352,8 +347,6 @@ Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command)
     const HtmlOptions options = page_options(page.page, command, entries.front(), input, notes);
     const HtmlReport report = stages.run(
         "save", [&] { return write_streaming_page(page.output, entries, source, options); });
-    if (options.camera && !page.page.view.save_camera.empty())
-        write_camera(page.page.view.save_camera, *options.camera);
     if (!page.json)
         print_line(
             fmt::format("{}: {}, streams {}", page.output, bytes_text(report.bytes), source.url));
@@ -367,7 +360,7 @@ Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command)
 }
 
 /// Makes the models of a site the inputs; a file that holds one has the first, which a note says.
-void read_models_of_site(ExportArguments& arguments, const CLI::App& command) {
+void read_models_of_site(ExportArguments& arguments, const GivenOptions& command) {
     const std::string site = arguments.inputs.front();
     const std::vector<std::string> models = models_of_one_site(arguments.inputs);
     if (models.empty()) return;
@@ -375,28 +368,26 @@ void read_models_of_site(ExportArguments& arguments, const CLI::App& command) {
         return note_first_model(site, models);
     arguments.inputs = models;
     arguments.site = is_sequence(arguments.output);
-    if (command.count("--steps") == 0) arguments.page.steps = read_site_info(site).steps;
+    if (!command.has("--steps")) arguments.page.steps = read_site_info(site).steps;
 }
 
-void export_files(const ExportArguments& given, const CLI::App& command) {
+void export_files(const ExportArguments& given, const GivenOptions& command) {
     ExportArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
     // Models that one pattern matches are steps in time, named ones are to be compared.
-    if (command.count("--steps") == 0 && given.inputs.size() == 1 && arguments.inputs.size() > 1 &&
+    if (!command.has("--steps") && given.inputs.size() == 1 && arguments.inputs.size() > 1 &&
         (arguments.site || extension_of(arguments.output) == ".html") &&
         common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model) {
         arguments.page.steps = true;
         note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
                          given.inputs.front(), arguments.inputs.size()));
     }
-    if (command.count("--from") == 0) read_models_of_site(arguments, command);
+    if (!command.has("--from")) read_models_of_site(arguments, command);
     std::vector<std::string> read = arguments.inputs;
     read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.words.word("tf")});
-    check_distinct(
-        {is_sequence(arguments.output) ? "" : arguments.output, arguments.page.view.save_camera},
-        read);
+    check_distinct({is_sequence(arguments.output) ? "" : arguments.output}, read);
     const ThreadLimit limit(arguments.threads);
-    const Json json = command.count("--from")         ? export_elsewhere(arguments, command)
+    const Json json = command.has("--from")           ? export_elsewhere(arguments, command)
                       : makes_site(arguments)         ? export_site(arguments, command)
                       : is_sequence(arguments.output) ? export_sequence(arguments, command)
                                                       : export_one(arguments, command).json;
@@ -446,7 +437,7 @@ void add_export(CLI::App& app) {
                      "https or http, or relative to the page")
         ->group(kPageGroup);
     command
-        ->add_option("--levels", arguments->levels,
+        ->add_option(setting("levels"), arguments->levels,
                      "Largest number of levels of detail in the page: the model itself, then a "
                      "quarter as many "
                      "Gaussians each time; 1: the model alone")
@@ -460,7 +451,7 @@ void add_export(CLI::App& app) {
     add_view_options(*command, arguments->page.view);
     add_memory_options(*command, arguments->memory, ". Of sites");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    command->callback([arguments, command] { export_files(*arguments, *command); });
+    command->callback([arguments, command] { export_files(*arguments, GivenOptions(*command)); });
 }
 
 }  // namespace vog::cli

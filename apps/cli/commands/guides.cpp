@@ -2,9 +2,10 @@
 #include <memory>
 #include <string>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "help/completion.h"
 #include "help/man_page.h"
+#include "options/parser/command_line.h"
 #include "shared/terminal.h"
 
 namespace vog::cli {
@@ -19,12 +20,13 @@ void add_guides(CLI::App& app) {
                      "~/.config/fish/completions/vog.fish")
         ->check(CLI::IsMember(completion_shells()))
         ->required();
-    completion->callback([&app, shell] { print_text(completion_script(app, *shell)); });
+    completion->callback(
+        [&app, shell] { print_text(completion_script(program_text(app), *shell)); });
 
     auto page = std::make_shared<std::string>();
     CLI::App* man = app.add_subcommand("man", "Print a manual page: vog man render | man -l -");
     man->add_option("page", *page, "Command; default: the page of vog itself");
-    man->callback([&app, page] { print_text(man_page(app, *page)); });
+    man->callback([&app, page] { print_text(man_page(program_text(app), *page)); });
 }
 
 }  // namespace vog::cli

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "help/next_steps.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "help/next_steps.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"

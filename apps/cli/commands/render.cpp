@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "films/film.h"
 #include "films/views.h"
 #include "options/option_effects.h"
@@ -107,12 +107,12 @@ std::vector<Frame> sequence_frames(const std::vector<std::string>& inputs,
 
 /// One picture per input, under one camera and the extinction of the first picture.
 /// returns  the report of --json
-Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
+Json render_sequence(const RenderArguments& arguments, const GivenOptions& command,
                      const RenderRanks& ranks) {
     if (!arguments.depth_output.empty() && !is_of_many(arguments.depth_output))
-        throw CLI::ValidationError("--depth-out takes a folder where -o does");
+        throw UsageError("--depth-out takes a folder where -o does");
     if (!arguments.values_output.empty() && !is_of_many(arguments.values_output))
-        throw CLI::ValidationError("--values-out takes a folder where -o does");
+        throw UsageError("--values-out takes a folder where -o does");
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
     const std::vector<Frame> frames = sequence_frames(inputs, arguments.output, ".png");
     const std::vector<Frame> depths = sequence_frames(inputs, arguments.depth_output, ".exr");
@@ -123,7 +123,6 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;
     one.subject = subject_of_all(arguments, assigned, ranks);
-    if (!ranks.is_root) one.view.save_camera.clear();
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
         std::optional<RenderedPicture> picture;
@@ -157,7 +156,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
 
 /// The pictures of a turn during which time runs once: picture n of N shows step floor(n steps / N).
 std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& arguments,
-                                                 const CLI::App& command,
+                                                 const GivenOptions& command,
                                                  const RenderRanks& ranks) {
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
     const int count = arguments.turntable, steps = static_cast<int>(inputs.size());
@@ -172,7 +171,6 @@ std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& argument
         if (one.turn_part->first == one.turn_part->second) continue;
         one.drawing.inputs = {inputs[static_cast<std::size_t>(step)]};
         std::vector<RenderedPicture> pictures = render(one, command, ranks);
-        one.view.save_camera.clear();
         if (step == 0)
             share_first(pictures.empty() ? std::nullopt : std::optional(pictures.front()), ranks,
                         one);
@@ -183,13 +181,13 @@ std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& argument
 
 /// The pictures of a turn.
 /// returns  the report of --json
-Json render_turn(const RenderArguments& arguments, const CLI::App& command,
+Json render_turn(const RenderArguments& arguments, const GivenOptions& command,
                  const RenderRanks& ranks) {
     const auto check = [&](const std::string& option, const std::string& output,
                            const std::vector<std::string>& extensions, bool film) {
         if (output.empty()) return;
         if (!is_sequence(output) && !is_numbered(output) && !(film && is_film(output)))
-            throw CLI::ValidationError(fmt::format(
+            throw UsageError(fmt::format(
                 "--turntable: {} {}: expected a folder (a name that ends in /), a name with a "
                 "number (t_%04d{}){}",
                 option, output, extensions.front(), film ? " or a film (.mp4, .webm)" : ""));
@@ -228,7 +226,7 @@ Json render_turn(const RenderArguments& arguments, const CLI::App& command,
 
 /// Draws many pictures, into a film where the output is one.
 /// returns  the report of --json
-Json render_many(RenderArguments arguments, const CLI::App& command, const RenderRanks& ranks) {
+Json render_many(RenderArguments arguments, const GivenOptions& command, const RenderRanks& ranks) {
     const auto draw = [&] {
         return arguments.turntable ? render_turn(arguments, command, ranks)
                                    : render_sequence(arguments, command, ranks);
@@ -238,9 +236,9 @@ Json render_many(RenderArguments arguments, const CLI::App& command, const Rende
         throw Error(arguments.output +
                     ": films are made by one process (vog render); -o FOLDER/ writes the pictures");
     if (!arguments.turntable && arguments.drawing.inputs.size() == 1)
-        throw CLI::ValidationError(arguments.output +
-                                   ": a film of one picture: expected --turntable N, or several "
-                                   "inputs, one a time step");
+        throw UsageError(arguments.output +
+                         ": a film of one picture: expected --turntable N, or several "
+                         "inputs, one a time step");
     check_output(arguments.output, arguments.drawing.inputs, {".mp4", ".webm"});
     Film film(arguments.output, arguments.per_second);
     arguments.take_picture = [&](const Image& picture) { film.add(picture); };
@@ -280,7 +278,7 @@ bool makes_nothing(const RenderArguments& arguments) {
 /// Files that are written, without the folders of a sequence, whose files have different extensions.
 std::vector<std::string> written_files(const RenderArguments& arguments) {
     std::vector<std::string> files{arguments.output, arguments.depth_output,
-                                   arguments.values_output, arguments.view.save_camera};
+                                   arguments.values_output};
     std::erase_if(files, is_sequence);
     return files;
 }
@@ -303,8 +301,8 @@ void name_models_of_site(RenderArguments& arguments, const RenderRanks& ranks) {
 }
 
 /// Refuses options without effect on any of the inputs.
-/// throws  CLI::ValidationError as require_effects does
-void require_effects_of(const RenderArguments& arguments, const CLI::App& command) {
+/// throws  UsageError as require_effects does
+void require_effects_of(const RenderArguments& arguments, const GivenOptions& command) {
     const DrawingArguments& drawing = arguments.drawing;
     const std::string show = word_of(arguments.request.show);
     Facts facts = {{"show", show},
@@ -328,7 +326,7 @@ void require_effects_of(const RenderArguments& arguments, const CLI::App& comman
 }
 
 /// Runs the command and prints its report, on the root.
-void render_files(RenderArguments& given, CLI::App& command, const RenderRanks& ranks) {
+void render_files(RenderArguments& given, GivenOptions command, const RenderRanks& ranks) {
     take_request(given, command);
     RenderArguments arguments = given;
     arguments.reading.merge(reading_options(command));
@@ -336,7 +334,7 @@ void render_files(RenderArguments& given, CLI::App& command, const RenderRanks& 
     name_models_of_site(arguments, ranks);
     if (makes_nothing(arguments)) {
         if (arguments.turntable)
-            throw CLI::ValidationError(
+            throw UsageError(
                 "--turntable: many pictures, expected -o with a folder (turn/), a "
                 "name with a number (t_%04d.png) or a film (turn.mp4)");
         arguments.output = free_name(arguments.drawing.inputs.front());
@@ -369,7 +367,8 @@ void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments
     CLI::App* command =
         app.add_subcommand("render", "Render models, volumes or particles to a picture");
     add_render_options(*command, *arguments);
-    command->callback([arguments, command, ranks] { render_files(*arguments, *command, ranks); });
+    command->callback(
+        [arguments, command, ranks] { render_files(*arguments, GivenOptions(*command), ranks); });
 }
 
 }  // namespace vog::cli

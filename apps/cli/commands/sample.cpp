@@ -3,12 +3,12 @@
 
 #include <fmt/core.h>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "options/option_effects.h"
+#include "options/parser/validators.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {
@@ -45,7 +45,7 @@ void sample(const SampleArguments& arguments) {
     options.progress = stages.progress();
     if (arguments.size) options.size = arguments.size;
     if (options.size < 64 || options.size > 1024)
-        throw CLI::ValidationError(fmt::format("--size {}: expected 64 to 1024", options.size));
+        throw UsageError(fmt::format("--size {}: expected 64 to 1024", options.size));
     const std::vector<Volume> volumes = stages.run("sample", [&]() -> std::vector<Volume> {
         if (arguments.kind == "amr") return sample_levels(options);
         if (arguments.kind == "fire") return sample_fire(options);
@@ -99,7 +99,7 @@ void add_sample(CLI::App& app) {
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");
     command->callback([arguments, command] {
-        require_effects(*command, {{"input", arguments->kind}});
+        require_effects(GivenOptions(*command), {{"input", arguments->kind}});
         sample(*arguments);
     });
 }

@@ -7,8 +7,9 @@
 #include <regex>
 #include <string>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "films/film.h"
+#include "options/parser/settings.h"
 #include "serve/site_folder.h"
 #include "serve/site_server.h"
 #include "shared/terminal.h"
@@ -105,7 +106,7 @@ void add_serve(CLI::App& app) {
             "this machine's loopback: 0.0.0.0, all addresses")
         ->capture_default_str();
     command
-        ->add_option("--allow-origin", arguments->server.allow_origin,
+        ->add_option(setting("allow-origin"), arguments->server.allow_origin,
                      "Origin whose pages may read the files, as https://example.org, or * for all; "
                      "default: the site's own page alone")
         ->check(origin());

@@ -4,17 +4,18 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "fields/volume_fields.h"
 #include "films/film.h"
 #include "models/page_quantity.h"
 #include "options/camera_options.h"
 #include "options/option_effects.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/shade.h"
 #include "vog/site.h"
@@ -105,11 +106,11 @@ viewer::Content read_content(const std::vector<std::string>& files,
 }
 
 /// Makes the steps in time of a site the inputs; of other models the first is shown.
-void read_steps_of_site(WindowArguments& arguments, const CLI::App& command) {
+void read_steps_of_site(WindowArguments& arguments, const GivenOptions& command) {
     const std::string site = arguments.inputs.front();
     const std::vector<std::string> models = models_of_one_site(arguments.inputs);
     if (models.empty()) return;
-    if (command.count("--steps") == 0) arguments.steps = read_site_info(site).steps;
+    if (!command.has("--steps")) arguments.steps = read_site_info(site).steps;
     if (arguments.steps)
         arguments.inputs = models;
     else
@@ -127,12 +128,12 @@ class FilmSink : public viewer::PictureSink {
     Film film_;
 };
 
-void open_viewer(WindowArguments arguments, const CLI::App& command) {
+void open_viewer(WindowArguments arguments, const GivenOptions& command) {
     // Models that one pattern matches are steps in time.
     const bool pattern = arguments.inputs.size() == 1;
     arguments.inputs = expanded(arguments.inputs);
     if (pattern) read_steps_of_site(arguments, command);
-    if (command.count("--steps") == 0 && pattern && arguments.inputs.size() > 1)
+    if (!command.has("--steps") && pattern && arguments.inputs.size() > 1)
         arguments.steps = common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model;
     // Inputs and options are checked before a window opens.
     for (const std::string& input : arguments.inputs)
@@ -143,11 +144,6 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
         facts["input"] =
             input_fact(common_kind(arguments.inputs, arguments.volume.grid), arguments.inputs);
     require_effects(command, facts);
-    std::vector<std::string> read = arguments.inputs;
-    read.insert(read.end(),
-                {arguments.view.camera_file, arguments.words.word("tf"), arguments.script});
-    check_distinct({arguments.view.save_camera}, read);
-
     viewer::ViewerOptions options;
     options.files = arguments.inputs;
     const PictureRequest window = RequestWords{{{"size", {arguments.size}}}}.over();
@@ -164,9 +160,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     const double aspect = double(window.width) / window.height;
     camera_from(arguments.view, command, {}, aspect);
     options.camera = [&, aspect](const Subject& subject) {
-        const Camera camera = camera_from(arguments.view, command, subject, aspect);
-        if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
-        return camera;
+        return camera_from(arguments.view, command, subject, aspect);
     };
     const PictureRequest request = arguments.words.over();
     options.extinction = request.extinction.value_or(options.extinction);
@@ -209,12 +203,12 @@ void add_view(CLI::App& app) {
     command->add_flag("--headless", arguments->headless,
                       "Run the script without a window: only its pictures are written");
     command
-        ->add_option("--resolution", arguments->resolution,
+        ->add_option(setting("resolution"), arguments->resolution,
                      "Rendered pixels per screen pixel, along an edge")
         ->check(CLI::Range(0.1, 4.0))
         ->capture_default_str();
     command
-        ->add_option("--ui-scale", arguments->ui_scale,
+        ->add_option(setting("ui-scale"), arguments->ui_scale,
                      "Scale of text and controls; 0: that of the display")
         ->check(CLI::Range(0.0, 8.0))
         ->capture_default_str();
@@ -223,7 +217,7 @@ void add_view(CLI::App& app) {
     add_view_options(*command, arguments->view);
     add_shown_options(*command, arguments->words);
     add_threads_option(*command, arguments->threads);
-    command->callback([arguments, command] { open_viewer(*arguments, *command); });
+    command->callback([arguments, command] { open_viewer(*arguments, GivenOptions(*command)); });
 }
 
 }  // namespace vog::cli

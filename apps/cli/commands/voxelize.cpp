@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "commands.h"
+#include "commands/commands.h"
 #include "options/memory_options.h"
 #include "options/option_effects.h"
+#include "options/parser/validators.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/volume_io.h"
 
@@ -47,14 +47,12 @@ Affine lattice_of(const VoxelizeArguments& arguments, const Gaussians& model,
                         arguments.within ? &options.extent : nullptr);
 }
 
-void check_arguments(const VoxelizeArguments& arguments, const CLI::App& command) {
+void check_arguments(const VoxelizeArguments& arguments, const GivenOptions& command) {
     require_effects(command, {{"input", input_fact(FileKind::model, arguments.inputs)},
                               {"output", extension_of(arguments.output)}});
-    if (!command.count("--voxel-size") && arguments.like.empty())
-        throw CLI::ValidationError(
-            "expected --voxel-size X or --like FILE: the lattice of the voxels");
-    if (arguments.name.empty())
-        throw CLI::ValidationError("--name: is empty, expected the name of a grid");
+    if (!command.has("--voxel-size") && arguments.like.empty())
+        throw UsageError("expected --voxel-size X or --like FILE: the lattice of the voxels");
+    if (arguments.name.empty()) throw UsageError("--name: is empty, expected the name of a grid");
     std::vector<std::string> read = arguments.inputs;
     read.push_back(arguments.like);
     check_output(arguments.output, read, {".vdb", ".nvdb"});
@@ -67,7 +65,7 @@ void check_arguments(const VoxelizeArguments& arguments, const CLI::App& command
             fmt::format("{}: is no volume, expected a .vdb or .nvdb as --like", arguments.like));
 }
 
-void run_voxelize(VoxelizeArguments arguments, const CLI::App& command) {
+void run_voxelize(VoxelizeArguments arguments, const GivenOptions& command) {
     arguments.inputs = expanded(arguments.inputs);
     check_arguments(arguments, command);
     const ThreadLimit limit(arguments.threads);
@@ -157,7 +155,7 @@ void add_voxelize(CLI::App& app) {
         ->capture_default_str();
     add_memory_options(*command, arguments->memory, "; a .vdb only");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    command->callback([arguments, command] { run_voxelize(*arguments, *command); });
+    command->callback([arguments, command] { run_voxelize(*arguments, GivenOptions(*command)); });
 }
 
 }  // namespace vog::cli

@@ -33,7 +33,7 @@ std::vector<FieldName> names_of(const FieldTexts& fields, std::span<const Volume
 /// notes    receives a line for each field that covers only a part of a volume
 /// coverage [fields] receives sums over the volumes, in place of notes and errors about them; null: whole volumes
 /// returns  [fields][volumes], of one name for all volumes
-/// throws   CLI::ValidationError for a text, vog::Error for what cannot be read
+/// throws   UsageError for a text, vog::Error for what cannot be read
 std::vector<std::vector<VoxelField>> read_volume_fields(
     const FieldTexts& fields, std::span<Volume> volumes, std::vector<std::string>& notes,
     std::vector<FieldCoverage>* coverage = nullptr);

@@ -59,11 +59,10 @@ std::vector<Camera> turn_of(const Camera& first, Vec3d up, int count) {
 }
 
 /// Whether no option sets how large the data appear.
-bool is_fitted(const CLI::App& command, const Camera& camera) {
-    const auto given = [&](const char* option) { return command.count(option) > 0; };
-    if (given("--camera") || given("--eye") || given("--look-at")) return false;
-    if (given("--view") && command.get_option("--view")->as<std::string>() == "paper") return false;
-    return camera.orthographic() ? !given("--width") : !given("--distance");
+bool is_fitted(const GivenOptions& command, const Camera& camera) {
+    if (command.has_any({"--camera", "--eye", "--look-at"})) return false;
+    if (command.value("--view") == "paper") return false;
+    return !command.has(camera.orthographic() ? "--width" : "--distance");
 }
 
 /// The first camera, looking at the subject's middle from as far (or as wide) as the farthest fitted one of the turn.
@@ -84,9 +83,9 @@ Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Subject& s
 }
 
 /// Axis of the turn: --up, or upwards in the picture of --camera.
-Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const Camera& camera,
+Vec3d turn_axis(const RenderArguments& arguments, const GivenOptions& command, const Camera& camera,
                 const Subject& subject) {
-    return normalized(command.count("--camera") || keeps_stored(arguments.view, command)
+    return normalized(command.has("--camera") || keeps_stored(arguments.view, command)
                           ? camera.up
                           : up_of(arguments.view, subject));
 }
@@ -128,8 +127,9 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
     return outputs;
 }
 
-std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
-                                          const Subject& subject, const DrawView& draw) {
+std::vector<RenderedPicture> render_views(const RenderArguments& arguments,
+                                          const GivenOptions& command, const Subject& subject,
+                                          const DrawView& draw) {
     const double aspect = double(arguments.request.width) / arguments.request.height;
     const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
     const bool stored = keeps_stored(arguments.view, command);
@@ -163,7 +163,6 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
         one.depth_output = depths[n];
         one.values_output = values[n];
         std::optional<RenderedPicture> picture = draw(one, cameras[n]);
-        one.view.save_camera.clear();
         if (!picture) continue;
         if (n == 0 && cameras.size() > 1) one.shared = picture->scales;
         pictures.push_back(std::move(*picture));

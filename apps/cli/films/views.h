@@ -27,8 +27,9 @@ using DrawView =
 /// All have the extinction and range of the first.
 /// subject  of the inputs
 /// returns  figures of each picture; none on ranks other than the root
-std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
-                                          const Subject& subject, const DrawView& draw);
+std::vector<RenderedPicture> render_views(const RenderArguments& arguments,
+                                          const GivenOptions& command, const Subject& subject,
+                                          const DrawView& draw);
 
 /// Writes a picture to the output, or hands it over.
 /// record  how it was made, for its file

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "help/help_text.h"
 #include "vog/shade.h"
 
 namespace vog::cli {
@@ -13,27 +12,33 @@ namespace vog::cli {
 namespace {
 
 /// Words that an option or an argument takes; empty: any.
-std::vector<std::string> words_of(const CLI::Option& option) {
-    std::vector<std::string> words = choices_of(option);
-    if (option.check_lname("tf"))
+std::vector<std::string> words_of(const OptionText& option) {
+    std::vector<std::string> words = option.choices;
+    if (option.names.front() == "--tf")
         for (const std::string& name : transfer_function_names()) words.push_back(name);
     return words;
 }
 /// Whether the words are all there is: of --tf files are others.
-bool only_words(const CLI::Option& option) { return !choices_of(option).empty(); }
+bool only_words(const OptionText& option) { return !option.choices.empty(); }
 /// Whether a value may be the name of a file: texts, but no numbers.
-bool takes_file(const CLI::Option& option) {
-    return option.get_type_name().starts_with("TEXT") && !only_words(option);
-}
-bool takes_value(const CLI::Option& option) { return option.get_expected_max() > 0; }
+bool takes_file(const OptionText& option) { return option.takes == "TEXT" && !only_words(option); }
 
 /// Words that the arguments of a command take, such as the shells of vog completion.
-std::vector<std::string> argument_words(const CLI::App& command) {
-    for (const CLI::Option* option :
-         command.get_options([](const CLI::Option* one) { return one->get_positional(); }))
-        if (const std::vector<std::string> words = choices_of(*option); !words.empty())
-            return words;
+std::vector<std::string> argument_words(const CommandText& command) {
+    for (const OptionText& option : command.options)
+        if (option.argument && !option.choices.empty()) return option.choices;
     return {};
+}
+std::vector<std::string> option_words(const CommandText& command) {
+    std::vector<std::string> all;
+    for (const OptionText& option : named_options(command))
+        all.insert(all.end(), option.names.begin(), option.names.end());
+    return all;
+}
+std::vector<std::string> command_words(const ProgramText& program) {
+    std::vector<std::string> all;
+    for (const CommandText& command : program.commands) all.push_back(command.name);
+    return all;
 }
 std::string replaced(std::string text, const std::string& letter, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(letter, at)) != text.npos; at += by.size())
@@ -51,8 +56,8 @@ std::string short_text(const std::string& description) {
     return text;
 }
 
-std::string bash_script(const CLI::App& app) {
-    const std::string name = app.get_name();
+std::string bash_script(const ProgramText& program) {
+    const std::string name = program.name;
     std::string script = fmt::format(
         R"(# Completion of {0} for bash, made by: {0} completion bash
 _{0}() {{
@@ -72,29 +77,29 @@ _{0}() {{
     fi
     case ${{COMP_WORDS[1]}},$option in
 )",
-        name, fmt::join(command_words(app), " "), fmt::join(option_words(app), " "));
-    for (const CLI::App* command : commands_of(app))
-        for (const CLI::Option* option : named_options(*command)) {
-            if (!takes_value(*option)) continue;
+        name, fmt::join(command_words(program), " "), fmt::join(option_words(program), " "));
+    for (const CommandText& command : program.commands)
+        for (const OptionText& option : named_options(command)) {
+            if (option.takes.empty()) continue;
             std::vector<std::string> cases;
-            for (const std::string& spelling : spellings(*option))
-                cases.push_back(command->get_name() + "," + spelling);
-            const std::vector<std::string> words = words_of(*option);
+            for (const std::string& spelling : option.names)
+                cases.push_back(command.name + "," + spelling);
+            const std::vector<std::string> words = words_of(option);
             // Without words bash completes names of files; of numbers there are none.
             script += fmt::format(
                 "        {})\n            {}\n            return ;;\n", fmt::join(cases, "|"),
-                !words.empty()        ? fmt::format("COMPREPLY=($(compgen -W \"{}\" -- \"$word\"))",
-                                                    fmt::join(words, " "))
-                : takes_file(*option) ? ":"
-                                      : "compopt +o default");
+                !words.empty()       ? fmt::format("COMPREPLY=($(compgen -W \"{}\" -- \"$word\"))",
+                                                   fmt::join(words, " "))
+                : takes_file(option) ? ":"
+                                     : "compopt +o default");
         }
     script += "    esac\n    case ${COMP_WORDS[1]} in\n";
-    for (const CLI::App* command : commands_of(app))
+    for (const CommandText& command : program.commands)
         script += fmt::format(
             "        {})\n            words=\"{}\"\n            [[ $word == -* ]] && "
             "words=\"{}\" ;;\n",
-            command->get_name(), fmt::join(argument_words(*command), " "),
-            fmt::join(option_words(*command), " "));
+            command.name, fmt::join(argument_words(command), " "),
+            fmt::join(option_words(command), " "));
     script += fmt::format(
         "    esac\n    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n}}\n"
         "complete -o default -F _{0} {0}\n",
@@ -117,7 +122,7 @@ std::string zsh_text(const std::string& text) {
 }
 
 /// Action of _arguments for a value.
-std::string zsh_action(const CLI::Option& option) {
+std::string zsh_action(const OptionText& option) {
     const std::vector<std::string> words = words_of(option);
     if (words.empty()) return takes_file(option) ? "_files" : " ";
     const std::string list = fmt::format("({})", fmt::join(words, " "));
@@ -127,8 +132,8 @@ std::string zsh_action(const CLI::Option& option) {
                              list);
 }
 
-std::string zsh_script(const CLI::App& app) {
-    const std::string name = app.get_name();
+std::string zsh_script(const ProgramText& program) {
+    const std::string name = program.name;
     std::string script = fmt::format(
         "#compdef {0}\n# Completion of {0} for zsh, made by: {0} completion zsh\n_{0}() {{\n"
         "    local curcontext=$curcontext state line\n    local -a commands\n"
@@ -136,24 +141,23 @@ std::string zsh_script(const CLI::App& app) {
         "        '1: :->command' '*:: :->argument'\n"
         "    case $state in\n    command)\n        commands=(\n",
         name);
-    for (const CLI::App* command : commands_of(app))
-        script += fmt::format("            '{}:{}'\n", command->get_name(),
-                              zsh_text(command->get_description()));
+    for (const CommandText& command : program.commands)
+        script += fmt::format("            '{}:{}'\n", command.name, zsh_text(command.text));
     script +=
         "        )\n        _describe -t commands command commands\n        _files ;;\n    "
         "argument)\n        case $words[1] in\n";
-    for (const CLI::App* command : commands_of(app)) {
-        script += fmt::format("        {})\n            _arguments", command->get_name());
-        for (const CLI::Option* option : named_options(*command)) {
-            const std::vector<std::string> names = spellings(*option);
-            const bool again = option->get_expected_max() > 1;
+    for (const CommandText& command : program.commands) {
+        script += fmt::format("        {})\n            _arguments", command.name);
+        for (const OptionText& option : named_options(command)) {
+            const std::vector<std::string> names = option.names;
+            const bool again = option.many;
             for (const std::string& spelling : names)
                 script += fmt::format(" \\\n                '{}{}[{}]{}'",
                                       again ? "*" : fmt::format("({})", fmt::join(names, " ")),
-                                      spelling, zsh_text(option->get_description()),
-                                      takes_value(*option) ? ":value:" + zsh_action(*option) : "");
+                                      spelling, zsh_text(option.text),
+                                      !option.takes.empty() ? ":value:" + zsh_action(option) : "");
         }
-        const std::vector<std::string> words = argument_words(*command);
+        const std::vector<std::string> words = argument_words(command);
         script +=
             fmt::format(" \\\n                '*: :{}' ;;\n",
                         words.empty() ? "_files" : fmt::format("({})", fmt::join(words, " ")));
@@ -169,33 +173,38 @@ std::string fish_text(const std::string& text) {
     return replaced(replaced(short_text(text), "\\", "\\\\"), "'", "\\'");
 }
 
-std::string fish_script(const CLI::App& app) {
-    const std::string name = app.get_name();
+/// " -l output -s o"
+std::string fish_names(const OptionText& option) {
+    std::string text;
+    for (const std::string& name : option.names)
+        text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+    return text;
+}
+
+std::string fish_script(const ProgramText& program) {
+    const std::string name = program.name;
     std::string script =
         fmt::format("# Completion of {0} for fish, made by: {0} completion fish\n", name);
-    for (const CLI::App* command : commands_of(app))
+    for (const CommandText& command : program.commands)
         script += fmt::format("complete -c {} -n __fish_use_subcommand -a {} -d '{}'\n", name,
-                              command->get_name(), fish_text(command->get_description()));
-    for (const CLI::Option* option : named_options(app))
-        for (const std::string& long_name : option->get_lnames())
-            script += fmt::format("complete -c {} -n __fish_use_subcommand -l {} -d '{}'\n", name,
-                                  long_name, fish_text(option->get_description()));
-    for (const CLI::App* command : commands_of(app)) {
-        const std::string start = fmt::format("complete -c {} -n '__fish_seen_subcommand_from {}'",
-                                              name, command->get_name());
-        for (const CLI::Option* option : named_options(*command)) {
-            script += start;
-            for (const std::string& letter : option->get_snames()) script += " -s " + letter;
-            for (const std::string& word : option->get_lnames()) script += " -l " + word;
-            const std::vector<std::string> words = words_of(*option);
+                              command.name, fish_text(command.text));
+    for (const OptionText& option : named_options(program))
+        script += fmt::format("complete -c {} -n __fish_use_subcommand{} -d '{}'\n", name,
+                              fish_names(option), fish_text(option.text));
+    for (const CommandText& command : program.commands) {
+        const std::string start =
+            fmt::format("complete -c {} -n '__fish_seen_subcommand_from {}'", name, command.name);
+        for (const OptionText& option : named_options(command)) {
+            script += start + fish_names(option);
+            const std::vector<std::string> words = words_of(option);
             if (!words.empty())
-                script += fmt::format(" {} -a '{}'", only_words(*option) ? "-x" : "-r -F",
+                script += fmt::format(" {} -a '{}'", only_words(option) ? "-x" : "-r -F",
                                       fmt::join(words, " "));
-            else if (takes_value(*option))
-                script += takes_file(*option) ? " -r -F" : " -x";
-            script += fmt::format(" -d '{}'\n", fish_text(option->get_description()));
+            else if (!option.takes.empty())
+                script += takes_file(option) ? " -r -F" : " -x";
+            script += fmt::format(" -d '{}'\n", fish_text(option.text));
         }
-        if (const std::vector<std::string> words = argument_words(*command); !words.empty())
+        if (const std::vector<std::string> words = argument_words(command); !words.empty())
             script += fmt::format("{} -a '{}'\n", start, fmt::join(words, " "));
     }
     return script;
@@ -208,8 +217,10 @@ const std::vector<std::string>& completion_shells() {
     return shells;
 }
 
-std::string completion_script(const CLI::App& app, const std::string& shell) {
-    return shell == "bash" ? bash_script(app) : shell == "zsh" ? zsh_script(app) : fish_script(app);
+std::string completion_script(const ProgramText& program, const std::string& shell) {
+    return shell == "bash"  ? bash_script(program)
+           : shell == "zsh" ? zsh_script(program)
+                            : fish_script(program);
 }
 
 }  // namespace vog::cli

@@ -1,9 +1,10 @@
 // completion.h: completion of the command's words in shells.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "help/program_text.h"
 
 namespace vog::cli {
 
@@ -12,6 +13,6 @@ const std::vector<std::string>& completion_shells();
 
 /// Script that completes commands, options, choices and files of a program, to be read by a shell.
 /// shell  bash, zsh or fish
-std::string completion_script(const CLI::App& app, const std::string& shell);
+std::string completion_script(const ProgramText& program, const std::string& shell);
 
 }  // namespace vog::cli

@@ -7,7 +7,6 @@
 #include <cctype>
 #include <sstream>
 
-#include "help/help_text.h"
 #include "help/version.h"
 #include "vog/error.h"
 
@@ -38,44 +37,38 @@ std::string upper(std::string text) {
 }
 
 /// ".TP" with the option's names, its value, and its description.
-std::string option_entry(const CLI::Option& option) {
-    std::vector<std::string> names;
-    for (const std::string& name : option.get_snames()) names.push_back("-" + name);
-    for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
-    if (names.empty()) names.push_back(option.get_name(true, false));
-    std::string value;
-    if (option.get_expected_max() > 0 && !option.get_type_name().empty()) {
-        const std::string type = option.get_type_name();
-        value = " \\fI" + roff(type.substr(0, type.find(':'))) + "\\fR";
-    }
-    std::string description = option.get_description();
-    if (!description.empty() && !description.ends_with('.')) description += '.';
+std::string option_entry(const OptionText& option) {
     std::string text =
-        fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(fmt::format("{}", fmt::join(names, ", "))),
-                    value, roff(description));
-    if (const auto choices = choices_of(option); !choices.empty())
-        text += roff(fmt::format("One of {}.", fmt::join(choices, ", "))) + "\n";
-    if (!option.get_default_str().empty())
-        text += roff(fmt::format("Default: {}.", option.get_default_str())) + "\n";
-    if (option.get_required()) text += "Required.\n";
+        fmt::format(".TP\n\\fB{}{}\\fR", roff(fmt::format("{}", fmt::join(option.names, ", "))),
+                    option.setting ? "=" : "");
+    if (!option.takes.empty())
+        text += fmt::format("{}\\fI{}\\fR", option.setting ? "" : " ", roff(option.takes));
+    const bool ends = option.text.empty() || option.text.ends_with('.');
+    text += "\n" + roff(option.text + (ends ? "" : ".")) + "\n";
+    if (!option.choices.empty())
+        text += roff(fmt::format("One of {}.", fmt::join(option.choices, ", "))) + "\n";
+    if (!option.standard.empty()) text += roff(fmt::format("Default: {}.", option.standard)) + "\n";
+    if (option.required) text += "Required.\n";
     return text;
 }
 
-std::string options_section(const CLI::App& command) {
-    std::string text;
-    const auto positionals =
-        command.get_options([](const CLI::Option* option) { return option->get_positional(); });
-    if (!positionals.empty()) text += ".SH ARGUMENTS\n";
-    for (const CLI::Option* option : positionals) text += option_entry(*option);
-    text += ".SH OPTIONS\n";
-    for (const std::string& group : command.get_groups()) {
-        std::string entries;
-        for (const CLI::Option* option : named_options(command))
-            if (option->get_group() == group) entries += option_entry(*option);
-        if (entries.empty()) continue;
-        if (group != "Options") text += ".SS " + roff(group) + "\n";
-        text += entries;
+/// Arguments, then options under the headings of the help.
+std::string options_section(const CommandText& command) {
+    std::string arguments;
+    std::vector<std::pair<std::string, std::string>> groups;  // heading, entries
+    for (const OptionText& option : command.options) {
+        if (option.argument) {
+            arguments += option_entry(option);
+            continue;
+        }
+        auto group = std::ranges::find(groups, option.group, [](const auto& g) { return g.first; });
+        if (group == groups.end()) group = groups.insert(groups.end(), {option.group, ""});
+        group->second += option_entry(option);
     }
+    std::string text = arguments.empty() ? "" : ".SH ARGUMENTS\n" + arguments;
+    text += ".SH OPTIONS\n";
+    for (const auto& [heading, entries] : groups)
+        text += (heading == "Options" ? "" : ".SS " + roff(heading) + "\n") + entries;
     return text;
 }
 
@@ -91,48 +84,48 @@ std::string endings(const std::string& others) {
         others);
 }
 
-std::string program_page(const CLI::App& app) {
-    const std::string name = app.get_name();
+std::string program_page(const ProgramText& program) {
+    const std::string& name = program.name;
     std::string text = title(name);
     text += fmt::format(".SH NAME\n{} \\- sparse volumes as 3D Gaussians\n", name);
     text += fmt::format(
         ".SH SYNOPSIS\n.B {0}\n\\fICOMMAND\\fR [\\fIOPTIONS\\fR] [\\fIFILES\\fR]\n.br\n.B {0}\n"
         "\\fIFILE\\fR\n",
         name);
-    text += ".SH DESCRIPTION\n.nf\n" + roff(app.get_description()) + "\n.fi\n";
+    text += ".SH DESCRIPTION\n.nf\n" + roff(program.text) + "\n.fi\n";
     text += ".SH COMMANDS\n";
     std::vector<std::string> others;
-    for (const CLI::App* command : commands_of(app)) {
-        text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", command->get_name(),
-                            roff(command->get_description()));
-        others.push_back(fmt::format("\\fB{}\\-{}\\fR(1)", name, command->get_name()));
+    for (const CommandText& command : program.commands) {
+        text += fmt::format(".TP\n\\fB{}\\fR\n{}\n", command.name, roff(command.text));
+        others.push_back(fmt::format("\\fB{}\\-{}\\fR(1)", name, command.name));
     }
-    return text + options_section(app) + endings(fmt::format("{}", fmt::join(others, ", ")));
+    return text + options_section(program) + endings(fmt::format("{}", fmt::join(others, ", ")));
 }
 
 }  // namespace
 
-std::string man_page(const CLI::App& app, const std::string& command) {
-    if (command.empty()) return program_page(app);
-    const auto commands = commands_of(app);
-    const auto found = std::ranges::find(commands, command, &CLI::App::get_name);
-    if (found == commands.end())
-        throw Error(fmt::format("man: no command '{}', expected {}", command,
-                                fmt::join(command_words(app), ", ")));
-    const CLI::App& one = **found;
-    const std::string name = app.get_name() + "-" + command;
+std::string man_page(const ProgramText& program, const std::string& command) {
+    if (command.empty()) return program_page(program);
+    const auto found = std::ranges::find(program.commands, command, &CommandText::name);
+    if (found == program.commands.end()) {
+        std::vector<std::string> names;
+        for (const CommandText& one : program.commands) names.push_back(one.name);
+        throw Error(
+            fmt::format("man: no command '{}', expected {}", command, fmt::join(names, ", ")));
+    }
     std::vector<std::string> arguments;
-    for (const CLI::Option* option :
-         one.get_options([](const CLI::Option* any) { return any->get_positional(); }))
-        arguments.push_back(fmt::format(
-            fmt::runtime(option->get_required() ? "\\fI{}\\fR{}" : "[\\fI{}\\fR{}]"),
-            option->get_name(true, false), option->get_expected_max() > 1 ? "..." : ""));
+    for (const OptionText& option : found->options)
+        if (option.argument)
+            arguments.push_back(
+                fmt::format(fmt::runtime(option.required ? "\\fI{}\\fR{}" : "[\\fI{}\\fR{}]"),
+                            option.names.front(), option.many ? "..." : ""));
+    const std::string name = program.name + "-" + command;
     return title(name) +
            fmt::format(".SH NAME\n{} \\- {}\n.SH SYNOPSIS\n.B {} {}\n[\\fIOPTIONS\\fR] {}\n",
-                       roff(name), roff(first_sentence(one.get_description())), app.get_name(),
-                       command, fmt::join(arguments, " ")) +
-           ".SH DESCRIPTION\n" + roff(one.get_description()) + "\n" + options_section(one) +
-           endings(fmt::format("\\fB{}\\fR(1)", app.get_name()));
+                       roff(name), roff(first_sentence(found->text)), program.name, command,
+                       fmt::join(arguments, " ")) +
+           ".SH DESCRIPTION\n" + roff(found->text) + "\n" + options_section(*found) +
+           endings(fmt::format("\\fB{}\\fR(1)", program.name));
 }
 
 }  // namespace vog::cli

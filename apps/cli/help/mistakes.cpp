@@ -9,71 +9,41 @@
 #include <numeric>
 #include <sstream>
 
-#include "help/help_text.h"
 #include "help/next_steps.h"
 
 namespace vog::cli {
 
 namespace {
 
-/// The command that was parsed; the program itself where none was.
-const CLI::App& parsed_command(const CLI::App& app) {
-    const auto parsed = app.get_subcommands();
-    return parsed.empty() ? app : *parsed.front();
-}
+/// Options that had other names before.
+const std::map<std::string, std::string> kRenamed = {
+    {"--log", "--scale log"},
+    {"--slab-hits", "--set hits-per-slab=N"},
+    {"--sum", "--combine sum"},
+    {"--mesh", "--combine mesh"},
+    {"--clip-plane", "--clip NX,NY,NZ,D"},
+    {"--azimuth", "--view AZIMUTH,ELEVATION"},
+    {"--elevation", "--view AZIMUTH,ELEVATION"},
+    {"--field-step", "--set field-rounding=STEP"},
+    {"--save-camera", "--camera PICTURE, where it is used"}};
 
-/// "vog convert": the words before the arguments.
-std::string spoken(const CLI::App& command) {
-    return command.get_parent() ? command.get_parent()->get_name() + " " + command.get_name()
-                                : command.get_name();
+/// Names of a command's options: settings as --set NAME.
+std::vector<std::string> option_names(const CommandText& command) {
+    std::vector<std::string> all;
+    for (const OptionText& option : command.options)
+        if (!option.argument) all.insert(all.end(), option.names.begin(), option.names.end());
+    return all;
 }
-
-/// Message for words that no option and no argument takes.
-std::string unexpected_text(const CLI::App& app) {
-    const CLI::App& command = parsed_command(app);
-    const std::vector<std::string> extras = app.remaining(true);
-    if (extras.empty()) return {};
-    const auto option = std::ranges::find_if(
-        extras, [](const std::string& word) { return word.size() > 1 && word[0] == '-'; });
-    if (option == extras.end())
-        return fmt::format("{}: unexpected argument '{}'", spoken(command), extras.front());
-    const std::string word = option->substr(0, option->find('='));
-    const std::map<std::string, std::string> renamed = {{"--log", "--scale log"},
-                                                        {"--slab-hits", "--hits-per-slab"}};
-    if (const auto now = renamed.find(word); now != renamed.end())
-        return fmt::format("{}: no option {}, it is {}", spoken(command), word, now->second);
-    const std::string near = nearest(word, option_words(command));
-    if (!near.empty())
-        return fmt::format("{}: no option {}; did you mean {}?", spoken(command), word, near);
-    // An option of another command is no typing error.
-    std::string others;
-    for (const CLI::App* other : commands_of(app))
-        if (other->get_option_no_throw(word))
-            others += (others.empty() ? "" : ", ") + spoken(*other);
-    return fmt::format("{}: no option {}{}", spoken(command), word,
-                       others.empty() ? fmt::format("; {} --help-all lists them", spoken(command))
-                                      : " here, only in " + others);
+bool has_option(const CommandText& command, const std::string& name) {
+    return std::ranges::count(option_names(command), name) > 0;
 }
 
 /// Extension of the file that a command writes with -o; empty: a folder or no file.
-std::string output_extension(const CLI::App& program, const std::string& command) {
+std::string output_extension(const std::string& program, const std::string& command) {
     if (command == "convert") return ".ply";
-    if (command == "export") return program.get_name() == "vog-mpi" ? "/" : ".html";
+    if (command == "export") return program == "vog-mpi" ? "/" : ".html";
     if (command == "voxelize") return ".vdb";
     return "";
-}
-
-/// A whole command line for a command whose -o is missing.
-std::string output_example(const CLI::App& command) {
-    const CLI::Option* inputs = command.get_option_no_throw("inputs");
-    const std::string input =
-        inputs && inputs->count() ? inputs->results().front() : std::string("FILE");
-    const std::filesystem::path path(input);
-    const std::string extension = output_extension(*command.get_parent(), command.get_name());
-    const std::string output =
-        extension.empty() ? path.stem().string() + "-out" : path.stem().string() + extension;
-    return fmt::format("{} {} -o {}{}", spoken(command), quoted(input), quoted(output),
-                       command.get_name() == "voxelize" ? " --voxel-size X" : "");
 }
 
 }  // namespace
@@ -114,31 +84,51 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
     return best;
 }
 
-std::string unknown_command_text(const CLI::App& app, const std::string& word) {
-    const std::vector<std::string> names = command_words(app);
+std::string unknown_command_text(const ProgramText& program, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CommandText& command : program.commands) names.push_back(command.name);
     const std::string near = nearest(word, names);
     if (!near.empty())
-        return fmt::format("no command or file '{}'; did you mean '{} {}'?", word, app.get_name(),
+        return fmt::format("no command or file '{}'; did you mean '{} {}'?", word, program.name,
                            near);
     return fmt::format("no command or file '{}', expected a file, or one of {}", word,
                        fmt::join(names, ", "));
 }
 
-std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
-    const CLI::App& command = parsed_command(app);
-    if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
-        const std::string text = unexpected_text(app);
-        if (!text.empty()) return text;
-    }
-    if (dynamic_cast<const CLI::RequiredError*>(&error)) {
-        const CLI::Option* output = command.get_option_no_throw("--output");
-        const CLI::Option* inputs = command.get_option_no_throw("inputs");
-        const bool has_inputs = !inputs || inputs->count() > 0;
-        if (output && output->get_required() && !output->count() && has_inputs)
-            return fmt::format("{}: -o is missing: {}", spoken(command), output_example(command));
-        if (&command != &app) return fmt::format("{}: {}", spoken(command), error.what());
-    }
-    return error.what();
+std::string unexpected_text(const ProgramText& program, const std::string& name,
+                            const std::vector<std::string>& words) {
+    const auto found = std::ranges::find(program.commands, name, &CommandText::name);
+    const CommandText& command = found == program.commands.end() ? program : *found;
+    const std::string spoken = name.empty() ? program.name : program.name + " " + name;
+    const auto option = std::ranges::find_if(
+        words, [](const std::string& word) { return word.size() > 1 && word[0] == '-'; });
+    if (option == words.end())
+        return fmt::format("{}: unexpected argument '{}'", spoken, words.front());
+    const std::string word = option->substr(0, option->find('='));
+    auto now = kRenamed.find(word);
+    const std::string setting = "--set " + word.substr(word.find_first_not_of('-'));
+    if (now != kRenamed.end() || has_option(command, setting))
+        return fmt::format("{}: no option {}, it is {}", spoken, word,
+                           now != kRenamed.end() ? now->second : setting + "=VALUE");
+    const std::string near = nearest(word, option_names(command));
+    if (!near.empty()) return fmt::format("{}: no option {}; did you mean {}?", spoken, word, near);
+    // An option of another command is no typing error.
+    std::string others;
+    for (const CommandText& other : program.commands)
+        if (has_option(other, word))
+            others += fmt::format("{}{} {}", others.empty() ? "" : ", ", program.name, other.name);
+    return fmt::format("{}: no option {}{}", spoken, word,
+                       others.empty() ? fmt::format("; {} --help-all lists them", spoken)
+                                      : " here, only in " + others);
+}
+
+std::string missing_output_text(const std::string& program, const std::string& command,
+                                const std::string& input) {
+    const std::string stem = std::filesystem::path(input).stem().string();
+    const std::string extension = output_extension(program, command);
+    return fmt::format("{0} {1}: -o is missing: {0} {1} {2} -o {3}{4}", program, command,
+                       quoted(input), quoted(stem + (extension.empty() ? "-out" : extension)),
+                       command == "voxelize" ? " --voxel-size X" : "");
 }
 
 std::string with_remedy(const std::string& message) {

@@ -1,9 +1,10 @@
 // mistakes.h: messages for wrong usage that state the remedy.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "help/program_text.h"
 
 namespace vog::cli {
 
@@ -17,11 +18,16 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
 
 /// Message for a word that is neither a command nor a file: "no command or file 'rendr'; did you mean
 /// 'render'?"
-std::string unknown_command_text(const CLI::App& app, const std::string& word);
+std::string unknown_command_text(const ProgramText& program, const std::string& word);
 
-/// Message for a failed parse, with the nearest option, the missing argument or an example added to
-/// the parser's.
-std::string usage_text(const CLI::App& app, const CLI::ParseError& error);
+/// Message for words that no option and no argument of a command takes.
+/// command  empty: none was stated
+std::string unexpected_text(const ProgramText& program, const std::string& command,
+                            const std::vector<std::string>& words);
+
+/// Message for a command whose -o is missing, with a whole command line.
+std::string missing_output_text(const std::string& program, const std::string& command,
+                                const std::string& input);
 
 /// A failure's message with the remedy that the command has for it: where its list of grids looks like the levels of a mesh,
 /// "...; --grid 'density_L*' reads all of them as levels"; of signed values, --show volume.

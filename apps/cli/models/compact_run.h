@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "models/compact_options.h"
+#include "options/output_options.h"
 #include "shared/terminal.h"
 #include "vog/gaussians.h"
 

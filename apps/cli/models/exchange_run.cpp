@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "shared/inputs.h"
-#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
 #include "vog/periodic.h"
@@ -69,24 +68,6 @@ std::string direction_text(Vec3d v) {
 }
 
 }  // namespace
-
-void add_splat_options(CLI::App& command, SplatArguments& arguments) {
-    const OptionGroup grouped(command, kSplatGroup);
-    command
-        .add_option(
-            "--as", arguments.layout,
-            "Layout of a .ply: vog (exact), 3dgs (splats with opacities, for renderers of 3D "
-            "Gaussian splatting) or volprim (volumetric primitives, for Mitsuba). Splats are white "
-            "without --tf or --field, in every format")
-        ->check(CLI::IsMember({"vog", "3dgs", "volprim"}))
-        ->capture_default_str();
-    command
-        .add_option("--units", arguments.units,
-                    "Coordinates of splats: box, the model's box centred at 0 with a longest edge "
-                    "of 2, which viewers open in view; or world, those of the data. The file "
-                    "states the scale. Default: box; world with --as volprim")
-        ->check(CLI::IsMember({"world", "box"}));
-}
 
 bool is_splat_output(const std::string& output, const SplatArguments& arguments) {
     const std::string extension = extension_of(output);

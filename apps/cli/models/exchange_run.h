@@ -1,24 +1,16 @@
 // exchange_run.h: models as files of other programs' splats, with their options and report.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
+#include "options/output_options.h"
 #include "shared/terminal.h"
 #include "vog/gaussians.h"
 
 namespace vog::cli {
 
-inline constexpr const char* kSplatGroup = "Splats (.ply, .spz, .glb, .usda)";
-
-struct SplatArguments {
-    std::string layout = "vog";  ///< of a .ply: vog, 3dgs or volprim
-    std::string units;           ///< world or box; empty: world with volprim, else box
-};
-/// Adds --as and --units.
-void add_splat_options(CLI::App& command, SplatArguments& arguments);
 /// Whether an output is a file of splats or of volumetric primitives.
 bool is_splat_output(const std::string& output, const SplatArguments& arguments);
 

@@ -7,38 +7,11 @@
 #include <filesystem>
 
 #include "shared/inputs.h"
-#include "shared/validators.h"
 #include "vog/shade.h"
 #include "vog/site.h"
 #include "vog/text.h"
 
 namespace vog::cli {
-
-void add_page_options(CLI::App& command, PageArguments& arguments) {
-    const OptionGroup grouped(command, kPageGroup);
-    const auto add = [&](const std::string& name, auto& value, const std::string& text) {
-        return command.add_option(name, value, text);
-    };
-    add("--title", arguments.title, "Title of the page; default: the name of the first model");
-    add("--description", arguments.description, "Text below the title");
-    add("--name", arguments.names,
-        "Name of a model in the page's selector; repeat once per model. Default: the file's name")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command.add_flag(
-        "--precise", arguments.precise,
-        "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
-        "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
-        "as fine as a page without this option");
-    command.add_flag(
-        "--steps,!--no-steps", arguments.steps,
-        "Whether the models are steps in time, with a play bar, one extinction and one "
-        "range for all; default: where a single pattern names them");
-    add_shown_options(command, arguments.words, kPageGroup);
-    CLI::Option* background = command.get_option("--background");
-    background->description(background->get_description() +
-                            ", or system: black or white by the reader's colour scheme");
-}
 
 PictureRequest page_request(const PageArguments& arguments) {
     RequestWords words = arguments.words;
@@ -46,11 +19,11 @@ PictureRequest page_request(const PageArguments& arguments) {
     return words.over();
 }
 
-HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command,
+HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& command,
                          const HtmlModel& first, const std::string& input,
                          std::vector<std::string>& notes) {
     HtmlOptions options;
-    options.title = command.count("--title") ? arguments.title : first.name;
+    options.title = command.has("--title") ? arguments.title : first.name;
     options.description = arguments.description;
     options.precise = arguments.precise;
     const PictureRequest request = page_request(arguments);
@@ -81,7 +54,7 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     return options;
 }
 
-void check_page_options(const PageArguments& arguments, const CLI::App& command) {
+void check_page_options(const PageArguments& arguments, const GivenOptions& command) {
     const PictureRequest request = page_request(arguments);
     stated_quantity(request);
     if (request.show != Show::volume && arguments.words.has("tf"))
@@ -91,8 +64,8 @@ void check_page_options(const PageArguments& arguments, const CLI::App& command)
 
 void check_names(const PageArguments& arguments, std::size_t models) {
     if (!arguments.names.empty() && arguments.names.size() != models)
-        throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
-                                               arguments.names.size(), models));
+        throw UsageError(fmt::format("--name: {} names for {} models, expected one each",
+                                     arguments.names.size(), models));
 }
 
 std::string model_name(const PageArguments& arguments, const std::string& file, std::size_t n) {

@@ -11,8 +11,7 @@ namespace vog::cli {
 
 HtmlQuantity stated_quantity(const PictureRequest& request) {
     if (request.fit == ScaleFit::symmetric)
-        throw CLI::ValidationError(
-            "--scale symmetric: a page or a window has linear, log and auto");
+        throw UsageError("--scale symmetric: a page or a window has linear, log and auto");
     HtmlQuantity quantity;
     quantity.show = word_of(request.show);
     quantity.field = request.field;
@@ -21,16 +20,15 @@ HtmlQuantity stated_quantity(const PictureRequest& request) {
         (request.show == Show::maximum ? quantity.maximum_slabs : quantity.slabs) = *request.slabs;
     quantity.look.clip = request.options.clip;
     if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
-        throw CLI::ValidationError(fmt::format("--clip-plane: {} planes, expected at most {}",
-                                               quantity.look.clip.planes.size(), kMostHtmlPlanes));
+        throw UsageError(fmt::format("--clip: {} planes, expected at most {}",
+                                     quantity.look.clip.planes.size(), kMostHtmlPlanes));
     quantity.log = request.fit == ScaleFit::log;
     using Kind = ColorScale::Kind;
     if (const auto& range = request.transfer.range; range && request.show != Show::volume)
         quantity.scale = {quantity.log ? Kind::log : Kind::linear, range->first, range->second};
     if (quantity.log && quantity.scale && !(quantity.scale->low > 0))
-        throw CLI::ValidationError(
-            fmt::format("--range {},{}: expected values above 0 with --scale log",
-                        quantity.scale->low, quantity.scale->high));
+        throw UsageError(fmt::format("--range {},{}: expected values above 0 with --scale log",
+                                     quantity.scale->low, quantity.scale->high));
     return quantity;
 }
 

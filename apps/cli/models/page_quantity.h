@@ -10,11 +10,11 @@
 namespace vog::cli {
 
 /// Quantity of a request, without a transfer function of values.
-/// throws  CLI::ValidationError for what pages do not have
+/// throws  UsageError for what pages do not have
 HtmlQuantity stated_quantity(const PictureRequest& request);
 /// Transfer function of a model's scalar field, found as `vog render --show volume` finds it.
 /// notes     receives what was chosen
-/// throws    CLI::ValidationError and vog::Error as `vog render` does for such options
+/// throws    UsageError and vog::Error as `vog render` does for such options
 ValueTransfer stated_transfer(PictureRequest request, const Gaussians& model,
                               const ScalarField& field, std::vector<std::string>& notes);
 

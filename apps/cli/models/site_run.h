@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "models/compact_options.h"
+#include "options/output_options.h"
 #include "shared/terminal.h"
 #include "vog/distributed.h"
 #include "vog/export_html.h"

@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "shared/inputs.h"
-#include "shared/validators.h"
+#include "vog/error.h"
+#include "vog/picture_record.h"
 
 namespace vog::cli {
 
@@ -22,7 +26,7 @@ std::string vector_error(const std::string& text) {
     try {
         parse_vector("", text);
         return {};
-    } catch (const CLI::ValidationError&) {
+    } catch (const UsageError&) {
         return text + ": expected x,y,z";
     }
 }
@@ -38,16 +42,36 @@ Vec3d parse_up(const std::string& text) {
     }
     const Vec3d up = parse_vector("--up", text);
     if (!(length(up) > 0))
-        throw CLI::ValidationError(fmt::format("--up {}: expected a direction, not 0,0,0", text));
+        throw UsageError(fmt::format("--up {}: expected a direction, not 0,0,0", text));
     return up;
 }
 std::string up_error(const std::string& text) {
     try {
         parse_up(text);
         return {};
-    } catch (const CLI::ValidationError&) {
+    } catch (const UsageError&) {
         return text + ": expected x, y, z, -x, -y, -z or a direction x,y,z";
     }
+}
+
+/// Azimuth and elevation of --view, degrees; empty: a name.
+std::vector<double> angles_of(const std::string& view) { return parse_numbers(view); }
+std::string view_error(const std::string& text) {
+    const std::vector<double> angles = angles_of(text);
+    if (std::ranges::count(view_names(), text)) return {};
+    if (angles.size() == 2 && std::abs(angles[1]) <= 90) return {};
+    return fmt::format(
+        "{}: expected one of {}, or AZIMUTH,ELEVATION with an elevation from -90 to 90", text,
+        fmt::join(view_names(), ", "));
+}
+
+/// Camera of a JSON file or of a picture's record.
+Camera read_any_camera(const std::string& file) {
+    const std::string extension = extension_of(file);
+    if (extension != ".png" && extension != ".exr") return read_camera(file);
+    const PictureRequest request = read_record(file).request;
+    if (!request.camera) throw Error(file + ": its record holds no camera");
+    return *request.camera;
 }
 
 /// Turns the camera clockwise about its view direction.
@@ -62,9 +86,9 @@ Camera rolled(const Camera& camera, double degrees) {
 /// The camera of a file or a request, orthographic if the options say so.
 Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, double aspect) {
     Camera camera =
-        arguments.camera_file.empty() ? *arguments.stored : read_camera(arguments.camera_file);
+        arguments.camera_file.empty() ? *arguments.stored : read_any_camera(arguments.camera_file);
     if (arguments.width > 0 && !arguments.orthographic && !camera.orthographic())
-        throw CLI::ValidationError(
+        throw UsageError(
             "--width: " + (arguments.camera_file.empty() ? "the request" : arguments.camera_file) +
             " holds a pinhole camera, expected --orthographic");
     if (arguments.orthographic && !camera.orthographic())
@@ -77,25 +101,18 @@ Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, do
 
 void add_view_options(CLI::App& command, ViewArguments& arguments) {
     const OptionGroup grouped(command, kViewGroup);
-    std::vector<std::string> names(view_names().begin(), view_names().end());
     command
         .add_option(
             "--view", arguments.view,
-            "Named view: +x looks from the positive x axis at the centre of the input's "
-            "bounding box; paper is azimuth 34.38, elevation 20.05 and distance 3, the view "
-            "of all tables. Default: the direction of paper, fitted")
-        ->check(CLI::IsMember(names));
-    command
-        .add_option(
-            "--azimuth", arguments.azimuth_degrees,
-            "Angle of the eye about the up axis, degrees; y up: from x towards z; z up: from "
-            "x towards -y")
-        ->capture_default_str();
-    command
-        .add_option("--elevation", arguments.elevation_degrees,
-                    "Angle of the eye above the plane across the up axis, degrees")
-        ->check(CLI::Range(-90.0, 90.0))
-        ->capture_default_str();
+            fmt::format(
+                "Direction to look from, a name or AZIMUTH,ELEVATION in degrees: {}. +x looks from "
+                "the positive x axis at the centre of the input's bounding box. Azimuth is about "
+                "the up axis (y up: from x towards z; z up: from x towards -y), elevation above "
+                "the plane across it. paper is {:.2f},{:.2f} at distance {}, the view of all "
+                "tables. Default: the direction of paper, fitted",
+                fmt::join(view_names(), ", "), kPaperAzimuthDegrees, kPaperElevationDegrees,
+                kPaperDistanceRadii))
+        ->check(view_error);
     command
         .add_option(
             "--distance", arguments.distance_radii,
@@ -133,38 +150,29 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         .add_option(
             "--up", arguments.up,
             "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
-            "up in the picture, and in viewers of exported splats; azimuth and elevation are "
+            "up in the picture, and in viewers of exported splats; the angles of --view are "
             "measured about it. Default: as the file says or implies (z for scans in RAS, FITS, "
             "levels of meshes, Blender's and Mantaflow's grids), else y")
         ->check(up_error);
     command
-        .add_option("--roll", arguments.roll_degrees,
+        .add_option(setting("roll"), arguments.roll_degrees,
                     "Turn the camera clockwise about its view direction, degrees")
         ->capture_default_str();
-    command.add_option("--camera", arguments.camera_file,
-                       "Read the camera from a JSON file with eye, look_at, up and fov_degrees or "
-                       "orthographic_width");
-    command.add_option("--save-camera", arguments.save_camera,
-                       "Write the camera of the picture to a JSON file");
+    command.add_option(
+        "--camera", arguments.camera_file,
+        "File of the camera: a picture that vog wrote, or JSON with eye, look_at, up and "
+        "fov_degrees or orthographic_width");
 }
 
 Vec3d up_of(const ViewArguments& arguments, const Subject& subject) {
     return arguments.up.empty() ? up_of(Orbit{}, subject) : parse_up(arguments.up);
 }
 
-bool view_given(const CLI::App& command) {
-    return std::ranges::any_of(command.get_options(), [](const CLI::Option* option) {
-        return option->get_group() == kViewGroup && option->count() > 0;
-    });
-}
+bool view_given(const GivenOptions& command) { return !command.names(kViewGroup).empty(); }
 
-bool keeps_stored(const ViewArguments& arguments, const CLI::App& command) {
-    if (!arguments.stored) return false;
-    constexpr const char* kPlacing[] = {"--view", "--azimuth", "--elevation", "--distance",
-                                        "--fov",  "--frame",   "--eye",       "--look-at",
-                                        "--up",   "--camera"};
-    return std::ranges::none_of(kPlacing,
-                                [&](const char* option) { return command.count(option) > 0; });
+bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command) {
+    return arguments.stored && !command.has_any({"--view", "--distance", "--fov", "--frame",
+                                                 "--eye", "--look-at", "--up", "--camera"});
 }
 
 Subject framed(const ViewArguments& arguments, const Subject& subject) {
@@ -174,23 +182,24 @@ Subject framed(const ViewArguments& arguments, const Subject& subject) {
     return shown;
 }
 
-Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Subject& subject,
-                   double aspect) {
-    const auto given = [&](const char* option) { return command.count(option) > 0; };
+Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
+                   const Subject& subject, double aspect) {
+    const auto given = [&](const char* option) { return command.has(option); };
     const bool stored = keeps_stored(arguments, command);
     if (given("--width") && !given("--orthographic") && !given("--camera") && !stored)
-        throw CLI::ValidationError("--width needs --orthographic");
+        throw UsageError("--width needs --orthographic");
     if (given("--camera") || stored) return camera_of_file(arguments, subject, aspect);
 
     Orbit orbit = given("--up") ? Orbit{} : first_orbit(subject);
     if (given("--up")) orbit.up = parse_up(arguments.up);
-    if (given("--azimuth")) orbit.azimuth_degrees = arguments.azimuth_degrees;
-    if (given("--elevation")) orbit.elevation_degrees = arguments.elevation_degrees;
     orbit.fov_degrees = arguments.fov_degrees;
     orbit.roll_degrees = arguments.roll_degrees;
     orbit.orthographic = arguments.orthographic;
     orbit.width = arguments.width;
-    if (given("--view")) set_view(orbit, arguments.view);
+    if (const std::vector<double> angles = angles_of(arguments.view); !angles.empty())
+        orbit.azimuth_degrees = angles[0], orbit.elevation_degrees = angles[1];
+    else if (given("--view"))
+        set_view(orbit, arguments.view);
     if (given("--distance")) orbit.distance_radii = arguments.distance_radii;
     Camera camera = orbit_view(framed(arguments, subject), orbit, aspect);
     if (!given("--eye") && !given("--look-at")) return camera;

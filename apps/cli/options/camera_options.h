@@ -1,43 +1,42 @@
 // camera_options.h: camera options of render, view and export.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
+#include "options/parser/given_options.h"
 #include "vog/camera.h"
 
 namespace vog::cli {
 
 struct ViewArguments {
-    std::string view, camera_file, eye, look_at, up, save_camera;
-    double azimuth_degrees = kPaperAzimuthDegrees, elevation_degrees = kPaperElevationDegrees;
+    std::string view, camera_file, eye, look_at, up;
     double distance_radii = 0, fov_degrees = kPaperFovDegrees, roll_degrees = 0, width = 0;
     bool orthographic = false;
     std::string frame = "content";
     std::optional<Camera> stored{};  ///< of --request
 };
 
-/// Adds the options of cameras: --view, angles, --eye, --up, --orthographic, --camera and theirs.
+/// Adds the options of cameras: --view, --eye, --up, --orthographic, --camera and theirs.
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
 /// Direction of --up, of any length above 0; without it as the subject stands.
 Vec3d up_of(const ViewArguments& arguments, const Subject& subject);
 
-/// Whether an option of the camera was given, --save-camera included.
-bool view_given(const CLI::App& command);
+/// Whether an option of the camera was given.
+bool view_given(const GivenOptions& command);
 
-/// Whether the camera is that of --request: no option places another. --roll, --orthographic and --width change it.
-bool keeps_stored(const ViewArguments& arguments, const CLI::App& command);
+/// Whether the camera is that of --request: no option places another. --set roll, --orthographic and --width change it.
+bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command);
 
 /// What a view of a subject frames by --frame: its hull, or its box.
 Subject framed(const ViewArguments& arguments, const Subject& subject);
 
 /// The camera of the options. It looks at the subject unless they name a point.
 /// aspect  width / height of the picture that a fitted box shall fill
-/// throws  vog::Error for an unreadable --camera file, CLI::ValidationError for options that
+/// throws  vog::Error for an unreadable --camera file, UsageError for options that
 ///         exclude each other or cannot be parsed
-Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Subject& subject,
-                   double aspect);
+Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
+                   const Subject& subject, double aspect);
 
 }  // namespace vog::cli

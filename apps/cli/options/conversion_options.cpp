@@ -3,7 +3,10 @@
 
 #include <fmt/core.h>
 
-#include "shared/validators.h"
+#include <CLI/CLI.hpp>
+
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "vog/distributed.h"
 
 namespace vog::cli {
@@ -27,22 +30,23 @@ PaperOptions paper_options(const ConvertArguments& arguments) {
     return options;
 }
 
-std::string cut_option(const CLI::App& command) {
+std::string cut_option(const GivenOptions& command) {
     for (const char* option : {"--block", "--budget", "--error", "--lod"})
-        if (command.count(option)) return option;
+        if (command.has(option)) return option;
     return {};
 }
 
 MomentOptions moment_options(const ConvertArguments& arguments) {
     MomentOptions options = arguments.moments;
     if (options.budget && arguments.inputs.size() > 1 && arguments.volume.sum)
-        throw CLI::ValidationError(
+        throw UsageError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     if (arguments.lod) options.block_voxels = moment_lod(arguments.lod).block_voxels;
     return options;
 }
 
-Facts conversion_facts(const ConvertArguments& arguments, const CLI::App& command, FileKind kind) {
+Facts conversion_facts(const ConvertArguments& arguments, const GivenOptions& command,
+                       FileKind kind) {
     const std::string cut = cut_option(command);
     const std::string of_lod = arguments.lod > 4   ? "single"
                                : arguments.lod > 3 ? "strict"
@@ -60,56 +64,57 @@ void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
     const OptionGroup grouped(command, kPaperGroup);
     PaperOptions& paper = arguments.paper;
     command.add_option(
-        "--strategy", arguments.strategy,
+        setting("strategy"), arguments.strategy,
         "Grouping of voxels. For sparse leaves (8^3 nodes with inactive voxels): smart (2^3 "
         "blocks, pairs, single voxels; the default), strict (2^3 blocks, single voxels), "
         "single "
         "(one Gaussian per leaf). For all leaves: variance (split until values are uniform), "
         "neighbours (similar adjacent leaves joined), tree (one Gaussian per tree node)");
     command
-        .add_option("--dense-block", paper.dense_block,
+        .add_option(setting("dense-block"), paper.dense_block,
                     "Edge of a block in dense leaves (all 8^3 voxels active), voxels")
         ->check(CLI::IsMember({2, 4, 8}))
         ->capture_default_str();
     command
         .add_option(
-            "--amplitude", arguments.amplitude,
+            setting("amplitude"), arguments.amplitude,
             "Peak density of a Gaussian: mean, the mean density of its voxels, as the paper (loses "
             "about a third of the mass); mass, the peak that conserves mass")
         ->check(CLI::IsMember({"mean", "mass"}))
         ->capture_default_str();
     command
-        .add_option("--kappa", paper.kappa,
+        .add_option(setting("kappa"), paper.kappa,
                     "Truncate kernels where they have fallen to this fraction of their peak: at "
                     "sqrt(-2 ln kappa) standard deviations")
         ->check(CLI::Range(1e-12, 0.999))
         ->capture_default_str();
     command
-        .add_option("--opacity-threshold", paper.opacity_threshold,
+        .add_option(setting("opacity-threshold"), paper.opacity_threshold,
                     "Drop groups of voxels whose mean density is at or below this; 0 drops empty "
                     "groups only")
         ->check(non_negative_number())
         ->capture_default_str();
     command
-        .add_option("--variance-threshold", paper.variance_threshold,
-                    "--strategy variance: split groups whose variance of values exceeds this "
+        .add_option(setting("variance-threshold"), paper.variance_threshold,
+                    "--set strategy=variance: split groups whose variance of values exceeds this "
                     "fraction of the volume's")
         ->check(non_negative_number())
         ->capture_default_str();
     command
         .add_option(
-            "--similarity", paper.similarity,
-            "--strategy neighbours: join leaves whose mean densities differ by at most this "
+            setting("similarity"), paper.similarity,
+            "--set strategy=neighbours: join leaves whose mean densities differ by at most this "
             "fraction")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
     command
-        .add_option("--tree-depth", paper.tree_depth,
-                    "--strategy tree: level of the nodes, 1 (4096^3 voxels), 2 (128^3) or 3 (8^3)")
+        .add_option(
+            setting("tree-depth"), paper.tree_depth,
+            "--set strategy=tree: level of the nodes, 1 (4096^3 voxels), 2 (128^3) or 3 (8^3)")
         ->check(CLI::Range(1, 3))
         ->capture_default_str();
     command
-        .add_option("--minimum-radius", paper.minimum_radius_voxels,
+        .add_option(setting("minimum-radius"), paper.minimum_radius_voxels,
                     "Smallest radius of a Gaussian, voxels; a single voxel has 0.5")
         ->check(positive_number())
         ->capture_default_str();
@@ -151,7 +156,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         "error, with --for pictures by value, and as many merged elsewhere. The result depends on "
         "the machine's speed")
         ->check(CLI::Range(0.0, 1e6));
-    add("--spread", moments.spread, "Factor on every standard deviation, at constant mass")
+    add(setting("spread"), moments.spread, "Factor on every standard deviation, at constant mass")
         ->check(CLI::Range(0.5, 2.0))
         ->capture_default_str();
     add("--mass-threshold", moments.mass_threshold,
@@ -160,8 +165,6 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         ->capture_default_str();
     command.add_flag("--axis-aligned", moments.axis_aligned,
                      "Gaussians without rotation: 28 bytes each in the file in place of 44");
-    command.add_flag("--stamp", arguments.stamp,
-                     "Write the stage times into the file, which then differs from run to run");
     command.add_flag("--measure-error", moments.measure,
                      "Measure the error also with --budget, --block and --lod");
 }

@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kForms = "expected GRID, FILE:GRID or NAME=FILE:GRID";
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what) {
-    throw CLI::ValidationError(fmt::format("--field '{}': {}", printable(text), what));
+    throw UsageError(fmt::format("--field '{}': {}", printable(text), what));
 }
 
 bool is_file(const std::string& path) {
@@ -66,7 +66,7 @@ void check_name(const std::string& text, const std::string& name) {
                                  name));
 }
 
-/// throws CLI::ValidationError where the last field has another's name
+/// throws UsageError where the last field has another's name
 template <class Field>
 void check_unused(const std::string& text, const std::vector<Field>& fields) {
     const std::string& name = fields.back().name;

@@ -1,7 +1,6 @@
 // field_options.h: texts that name the fields of a conversion.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,15 +15,15 @@ namespace vog::cli {
 /// and equals signs. Grids that are patterns need a name.
 /// returns  file empty where the text states none (field_of_level), name empty where it states
 ///          neither name nor grid
-/// throws   CLI::ValidationError for an empty name or grid, and a name that is no field's: letters,
+/// throws   UsageError for an empty name or grid, and a name that is no field's: letters,
 ///          digits, _ and -, no column of a model's PLY file
 FieldSource parse_field(const std::string& text);
 /// Parses all fields of a command.
-/// throws  CLI::ValidationError as parse_field does, and for a name used twice
+/// throws  UsageError as parse_field does, and for a name used twice
 std::vector<FieldSource> parse_fields(std::span<const std::string> texts);
 
 /// Parses the fields of particles: COLUMN, or NAME=COLUMN.
-/// throws  CLI::ValidationError as parse_fields does
+/// throws  UsageError as parse_fields does
 std::vector<PointField> parse_point_fields(std::span<const std::string> texts);
 
 }  // namespace vog::cli

@@ -4,11 +4,14 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <CLI/CLI.hpp>
 #include <exception>
 #include <map>
 
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
+#include "shared/usage_error.h"
 
 namespace vog::cli {
 
@@ -26,7 +29,7 @@ std::uint64_t parse_memory(const std::string& text) {
         {"k", 0x1p10}, {"Ki", 0x1p10}, {"Mi", 0x1p20}, {"Gi", 0x1p30}, {"Ti", 0x1p40}};
     const auto scale = bytes.find(unit);
     if (code != std::errc{} || scale == bytes.end() || !(number > 0) || number > 1e15)
-        throw CLI::ValidationError(
+        throw UsageError(
             fmt::format("--memory {}: expected a number of bytes > 0, such as 500M or 2G", text));
     return static_cast<std::uint64_t>(number * scale->second);
 }
@@ -41,7 +44,7 @@ void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std
         "The result is the same" +
             more);
     command.add_option(
-        "--scratch", arguments.scratch,
+        setting("scratch"), arguments.scratch,
         "Folder for scratch files; default: the system's folder for temporary files");
 }
 

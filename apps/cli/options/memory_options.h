@@ -1,11 +1,11 @@
-// memory_options.h: --memory and --scratch, for volumes larger than memory.
+// memory_options.h: --memory and --set scratch, for volumes larger than memory.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "options/parser/given_options.h"
 #include "vog/memory.h"
 
 namespace vog::cli {
@@ -15,7 +15,7 @@ inline constexpr const char* kLargeDataGroup = "Large data";
 struct MemoryArguments {
     std::string memory, scratch;
 };
-/// Adds --memory and --scratch.
+/// Adds --memory and --set scratch.
 /// more  a further sentence for the help of --memory; may be empty
 void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std::string& more);
 
@@ -23,7 +23,7 @@ void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std
 /// notes on standard error if the peak was above the limit all the same.
 class CommandMemory {
   public:
-    /// throws  CLI::ValidationError for a limit that is no size, vog::Error as MemoryLimit does
+    /// throws  UsageError for a limit that is no size, vog::Error as MemoryLimit does
     explicit CommandMemory(const MemoryArguments& arguments);
     ~CommandMemory();
     CommandMemory(const CommandMemory&) = delete;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "options/parser/settings.h"
 #include "options/request_options.h"
 
 namespace vog::cli {
@@ -34,7 +35,7 @@ constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
 // The first row that refuses an option says why: general reasons stand first.
 const std::vector<Row> kRows = {
     // Inputs.
-    {"", "--mask --sum --mesh --level-set-to-fog", "input", "volumes"},
+    {"", "--mask --combine --level-set-to-fog", "input", "volumes"},
     {"", "--skip-nonfinite", "input", "volumes particles text models"},
     {"", "--clip-negative", "input", "volumes particles text"},
     {"convert render export view info evaluate", "--grid", "input", "volumes particles"},
@@ -43,36 +44,33 @@ const std::vector<Row> kRows = {
     {"render export view", "--periodic", "input", "particles text"},
     {"", "--columns", "input", "text"},
     {"", "--neighbours", "--radius", "adaptive auto"},
-    {"", "--mask --mesh", "--sum", "-"},
+    {"", "--mask", "--combine", "- mesh"},
     // Cameras.
-    {"", "--view --azimuth --elevation --distance --fov --frame --eye --look-at --up", "--camera",
-     "-"},
+    {"", "--view --distance --fov --frame --eye --look-at --up", "--camera", "-"},
     {"", "--frame", "--view", "- +x -x +y -y +z -z"},
     {"render", "--frame", "--axes", "-"},
-    {"", "--view --azimuth --elevation --distance", "--eye", "-"},
-    {"", "--azimuth --elevation", "--view", "-"},
+    {"", "--view --distance", "--eye", "-"},
     {"", "--fov", "--orthographic", "-"},
     // Outputs of vog export.
     {"export", "--site", "output", "site"},
-    {"export", "--max-loss --reference --model-psnr --hierarchy --deflate", "output", ".vogz"},
-    {"export", "--step --field-step", "output", ".vogz site"},
+    {"export", "--max-loss --reference --set.model-psnr --hierarchy --deflate", "output", ".vogz"},
+    {"export", "--set.rounding --set.field-rounding", "output", ".vogz site"},
     {"export", "--as", "output", ".ply 3dgs volprim"},
     {"export", "--units", "output", kSplats},
-    {"export", "--levels", "output", ".html"},
-    {"export", "--memory --scratch", "output", "site"},
+    {"export", "--set.levels", "output", ".html"},
+    {"export", "--memory --set.scratch", "output", "site"},
     {"export", "--extinction", "output", ".html site .spz .glb .usda 3dgs volprim"},
     {"export", "--tf --field", "output", kSplatsAndPages},
     {"export", "--no-fields", "output", ".html site .vogz .ply"},
     {"export", "--no-fields", "input", "volumes models compact-models"},
     {"export", "--title --description --name --precise --steps", "output", kPages},
     {"export", "--from", "output", ".html"},
-    {"export", "--show --range --scale --clip --clip-plane --background --blend", "output", kPages},
+    {"export", "--show --range --scale --clip --background --blend", "output", kPages},
     {"export", "[Volume rendering (--show volume)]", "output", kPages},
     {"export", "--up", "output", kSplatsAndPages},
-    {"export", "--view --azimuth --elevation --distance --fov --frame --orthographic --width",
-     "output", kPages},
-    {"export", "--eye --look-at --roll --camera --save-camera", "output", kPages},
-    {"export", "--site --no-fields --budget --levels --precise", "--from", "-"},
+    {"export", "--view --distance --fov --frame --orthographic --width", "output", kPages},
+    {"export", "--eye --look-at --set.roll --camera", "output", kPages},
+    {"export", "--site --no-fields --budget --set.levels --precise", "--from", "-"},
     {"export", "[Compact model (.vogz)]", "--from", "-"},
     {"export", "[Large data]", "--from", "-"},
     // Conversions.
@@ -85,62 +83,64 @@ const std::vector<Row> kRows = {
     {"convert", "--value", "values", kModels},
     {"convert", "--no-hierarchy", "output", ".ply models/"},
     {"convert", "--again", "output", "models/"},
-    {"convert", "--for --joint-steps --measure --no-fields --spread --soft-steps --refine --split",
+    {"convert",
+     "--for --set.joint-steps --measure --no-fields --set.spread --soft-steps --refine --split",
      "input", "volumes"},
-    {"convert", "--strategy --dense-block --amplitude --opacity-threshold --minimum-radius",
+    {"convert",
+     "--set.strategy --set.dense-block --set.amplitude --set.opacity-threshold "
+     "--set.minimum-radius",
      "input", "volumes"},
-    {"convert", "--variance-threshold --similarity --tree-depth", "input", "volumes"},
+    {"convert", "--set.variance-threshold --set.similarity --set.tree-depth", "input", "volumes"},
     {"convert", "--lod --neighbours", "particles by", "moments"},
     {"convert", "--axis-aligned --mass-threshold", "particles cut",
      "--block --budget --error --lod"},
     {"convert", "--for", "program", "vog", "vog convert"},
     {"convert", "--for --periodic", "--method", "moments"},
-    {"convert", "--joint-steps", "--for", "*"},
-    {"convert", "--no-fields --spread", "--for", "-"},
+    {"convert", "--set.joint-steps", "--for", "*"},
+    {"convert", "--no-fields --set.spread", "--for", "-"},
     {"convert", "--no-fields", "--field", "-"},
     {"convert export", "--level-set-to-fog --clip-negative", "--measure", "density"},
     {"", "--budget --error --lod", "--block", "-"},
     {"", "--error --lod", "--budget", "-"},
     {"", "--lod", "--error", "-"},
     {"convert export", "--measure-error", "cut", "--block --budget --lod"},
-    {"convert", "--strategy --dense-block", "--lod", "-"},
-    {"convert", "--dense-block", "strategy", "smart strict single"},
-    {"convert", "--variance-threshold", "strategy", "variance"},
-    {"convert", "--similarity", "strategy", "neighbours"},
-    {"convert", "--tree-depth", "strategy", "tree"},
+    {"convert", "--set.strategy --set.dense-block", "--lod", "-"},
+    {"convert", "--set.dense-block", "strategy", "smart strict single"},
+    {"convert", "--set.variance-threshold", "strategy", "variance"},
+    {"convert", "--set.similarity", "strategy", "neighbours"},
+    {"convert", "--set.tree-depth", "strategy", "tree"},
     {"export", kByMoments, "input", "volumes"},  // vog-mpi
     {"export", "--carry --lod --measure", "input", "volumes"},
     {"export", "--no-fields", "--carry", "-"},
-    {"export", "--stamp", "output", ".ply", "vog-mpi convert"},
     // What is shown.
-    {"render", "--fps", "output", "film"},
+    {"render", "--set.fps", "output", "film"},
     {"render", "--steps", "--turntable", "*"},
     {"render", "--steps", "inputs", "several"},
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
-    {"", "--light-weights", "--light", "*"},
+    {"", "--set.light-weights", "--light", "*"},
     {"", "--tf --range --scale", "--window", "-"},
     {"", "--tf --range --scale --window", "--band", "-"},
     {"", "--tf --range --scale --window", "--iso", "-"},
     {"render", "--scale=symmetric", "show", "mean deviation maximum"},
     {"render", "--depth-out", "show", "T column", "--values-out FILE.exr"},
     {"render", "--values-out", "show", "T column mean deviation maximum"},
-    {"render", "--range --scale --least-column", "output", "picture film"},
+    {"render", "--range --scale --set.least-column", "output", "picture film"},
     {"render", "--color-bar --axes --scale-bar --title --tf --background --blend", "output",
      "picture film"},
     // How it is drawn.
     {"render", "--interpolation=linear", "show", "T column mean deviation volume"},
-    {"render", "--step", "--interpolation", "linear"},
-    {"render", "--hits-per-slab --stop-transmittance", "--anyhit", "collect"},
-    {"render", "--aabb-sigma", "by value", "trace optix"},
+    {"render", "--set.step", "--interpolation", "linear"},
+    {"render", "--set.hits-per-slab --set.stop-transmittance", "--set.anyhit", "collect"},
+    {"render", "--set.aabb-sigma", "by value", "trace optix"},
     // Other commands.
     {"voxelize", "--voxel-size", "--like", "-"},
     {"voxelize", "--grid --within", "--like", "*"},
-    {"voxelize", "--memory --scratch", "output", ".vdb"},
-    {"", "--scratch", "--memory", "*"},
+    {"voxelize", "--memory --set.scratch", "output", ".vdb"},
+    {"", "--set.scratch", "--memory", "*"},
     {"compare", "--tf --extinction", "input", "depth-images"},
-    {"compare", "--diff --diff-limit", "input", "pictures depth-images"},
-    {"compare", "--diff-limit", "--diff", "*"},
+    {"compare", "--diff --set.diff-limit", "input", "pictures depth-images"},
+    {"compare", "--set.diff-limit", "--diff", "*"},
     {"evaluate", "--voxels --show=volume", "program", "vog", "vog evaluate"},
     {"sample", "--half", "input", "cloud explosion fire head amr"},
 };
@@ -172,35 +172,29 @@ bool contains(const std::vector<std::string>& all, const std::string& one) {
 }
 
 /// Value of a fact or an option; "-": not given and without a default. None: not known, or of other commands.
-std::optional<std::string> value_of(const std::string& fact, const CLI::App& command,
+std::optional<std::string> value_of(const std::string& fact, const GivenOptions& command,
                                     const Facts& facts) {
     if (!fact.starts_with("--")) {
         const auto found = facts.find(fact);
         return found == facts.end() ? std::nullopt : std::optional(found->second);
     }
-    const CLI::Option* option = command.get_option_no_throw(fact);
-    if (!option) return std::nullopt;
-    if (option->count()) return option->results().front();
-    return option->get_default_str().empty() ? "-" : option->get_default_str();
+    const std::optional<std::string> value = command.value(fact);
+    const bool angles = fact == "--view" && value && value->find(',') != value->npos;
+    return angles ? "-" : value;  // which frames as no --view does
 }
 
 /// Whether an option of a row is given: by name, with a value, or as one of a group.
-std::vector<std::string> given_options(const Row& row, const CLI::App& command) {
+std::vector<std::string> given_options(const Row& row, const GivenOptions& command) {
     std::vector<std::string> given;
     const std::string options = row.options;
-    if (options.starts_with('[')) {
-        for (const CLI::Option* option : command.get_options())
-            if (option->count() && "[" + option->get_group() + "]" == options)
-                given.push_back(option->get_name());
-        return given;
-    }
+    if (options.starts_with('[')) return command.names(options.substr(1, options.size() - 2));
     for (const std::string& word : words(options)) {
         const std::size_t equals = word.find('=');
-        const CLI::Option* option = command.get_option_no_throw(word.substr(0, equals));
-        if (!option || !option->count()) continue;
+        const std::vector<std::string> values = command.values(word.substr(0, equals));
+        if (values.empty()) continue;
         if (equals == word.npos)
             given.push_back(word);
-        else if (option->results().front() == word.substr(equals + 1))
+        else if (values.front() == word.substr(equals + 1))
             given.push_back(word.substr(0, equals) + " " + word.substr(equals + 1));
     }
     return given;
@@ -217,9 +211,12 @@ std::string listed(const std::vector<std::string>& all) {
 /// Values of a fact as a user writes them: "--show volume or maximum", "-o FILE.html or FOLDER/", "models".
 std::string spelled(const std::string& fact, std::vector<std::string> values, const Facts& facts) {
     static const std::map<std::string, std::string> prefixes = {
-        {"show", "--show "},         {"renderer", "--renderer "},
-        {"strategy", "--strategy "}, {"output", "-o "},
-        {"values", "-o "},           {"particles by", "particles and --method "}};
+        {"show", "--show "},
+        {"renderer", "--renderer "},
+        {"strategy", "--set strategy="},
+        {"output", "-o "},
+        {"values", "-o "},
+        {"particles by", "particles and --method "}};
     static const std::map<std::string, std::string> names = {{"site", "FOLDER/ (a site)"},
                                                              {"models/", "FOLDER/"},
                                                              {"3dgs", "FILE.ply --as 3dgs"},
@@ -242,7 +239,9 @@ std::string spelled(const std::string& fact, std::vector<std::string> values, co
         else if (fact == "input")
             std::ranges::replace(value, '-', ' ');
     }
-    if (fact.starts_with("--")) return fact + " " + listed(values);
+    if (fact.starts_with("--"))
+        return fact + (setting("") == fact.substr(0, setting("").size()) ? "=" : " ") +
+               listed(values);
     if (fact == "by value")
         return fmt::format("--show {} --renderer {}", facts.at("show"), listed(values));
     const auto prefix = prefixes.find(fact);
@@ -283,21 +282,20 @@ std::string input_fact(FileKind kind, const std::vector<std::string>& inputs) {
     return binary ? "particles" : "text";
 }
 
-void require_effects(const CLI::App& command, const Facts& facts) {
+void require_effects(const GivenOptions& command, const Facts& facts) {
     Facts all = facts;
-    if (command.get_parent()) all["program"] = command.get_parent()->get_name();
+    all["program"] = command.program();
     for (const Row& row : rows()) {
         const std::vector<std::string> commands = words(row.commands);
-        if (!commands.empty() && !contains(commands, command.get_name())) continue;
+        if (!commands.empty() && !contains(commands, command.command())) continue;
         const std::vector<std::string> values = words(row.values);
         const auto actual = value_of(row.fact, command, all);
         if (!actual || contains(values, *actual) || (contains(values, "*") && *actual != "-"))
             continue;
         // An option that excludes others does so where it is given, whatever its default.
-        if (contains(values, "-") && row.fact.starts_with("--") && !command.count(row.fact))
-            continue;
+        if (contains(values, "-") && row.fact.starts_with("--") && !command.has(row.fact)) continue;
         for (const std::string& option : given_options(row, command))
-            throw CLI::ValidationError(refusal(row, option, *actual, all));
+            throw UsageError(refusal(row, option, *actual, all));
     }
 }
 

@@ -1,11 +1,11 @@
 // option_effects.h: Table of what each option needs to have an effect: a kind of input or output, or another option.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "options/parser/given_options.h"
 #include "shared/inputs.h"
 
 namespace vog::cli {
@@ -19,7 +19,7 @@ using Facts = std::map<std::string, std::string>;
 std::string input_fact(FileKind kind, const std::vector<std::string>& inputs);
 
 /// Refuses every given option that would have no effect.
-/// throws  CLI::ValidationError: "--light has no effect with --show T; it works with --show volume"
-void require_effects(const CLI::App& command, const Facts& facts);
+/// throws  UsageError: "--light has no effect with --show T; it works with --show volume"
+void require_effects(const GivenOptions& command, const Facts& facts);
 
 }  // namespace vog::cli

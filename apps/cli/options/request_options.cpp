@@ -4,21 +4,33 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <CLI/CLI.hpp>
+#include <set>
 
-#include "shared/validators.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 
 namespace vog::cli {
 
 namespace {
 
-/// "--least-column" of least_column; of lists, whose rows are options of their own, without the s: "--clip-plane".
+/// Members that few pictures need: --set NAME=VALUE.
+bool is_setting(const std::string& key) {
+    static const std::set<std::string> keys{
+        "least_column", "light_weights", "kappa",         "aabb_sigma",
+        "step",         "anyhit",        "hits_per_slab", "stop_transmittance"};
+    return keys.contains(key);
+}
+
+/// "--pixel-error" of pixel_error; of lists, whose rows are options of their own, without the s: "--band". Planes of clips are values of --clip.
 std::string option_of(const std::string& key) {
     const auto& all = request_schema();
     const auto member = std::ranges::find(all, key, &RequestMember::key);
     const bool many = member != all.end() && member->many;
-    std::string name = "--" + (many ? key.substr(0, key.size() - 1) : key);
+    if (key == "clip_planes") return "--clip";
+    std::string name = many ? key.substr(0, key.size() - 1) : key;
     std::ranges::replace(name, '_', '-');
-    return name;
+    return is_setting(key) ? setting(name) : "--" + name;
 }
 
 /// A text whose members are spelled as options.
@@ -30,7 +42,29 @@ std::string spelled(std::string text) {
     return text;
 }
 
+/// --clip: boxes of six numbers and planes of four.
+void add_clip(CLI::App& command, RequestWords& words, const RequestMember& box) {
+    const RequestMember& plane =
+        *std::ranges::find(request_schema(), "clip_planes", &RequestMember::key);
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--clip",
+            [&words, &box, &plane](const std::vector<std::string>& given) {
+                for (const std::string& text : given) {
+                    const auto commas = std::ranges::count(text, ',');
+                    if (commas != 3 && commas != 5)
+                        throw UsageError(fmt::format("--clip {}: expected a box {} or a plane {}",
+                                                     text, box.takes, plane.takes));
+                    words.given[commas == 3 ? "clip_planes" : "clip"].push_back(text);
+                }
+            },
+            fmt::format("{}: {}. {}: {}", box.takes, box.text, plane.takes, plane.text))
+        ->allow_extra_args(false);
+}
+
 void add_option(CLI::App& command, RequestWords& words, const RequestMember& member) {
+    if (member.key == "clip_planes") return;
+    if (member.key == "clip") return add_clip(command, words, member);
     const std::string key = member.key, text = spelled(member.text);
     const auto take = [&words, key](const std::vector<std::string>& given) {
         words.given[key] = given;
@@ -68,7 +102,7 @@ void add_option(CLI::App& command, RequestWords& words, const RequestMember& mem
     }
 }
 
-/// throws  CLI::ValidationError naming the option; vog::Error for files of --tf
+/// throws  UsageError naming the option; vog::Error for files of --tf
 void set_by_words(PictureRequest& request, const std::string& key,
                   const std::vector<std::string>& words) try {
     set_member(request, key, words);
@@ -76,7 +110,7 @@ void set_by_words(PictureRequest& request, const std::string& key,
     throw as_option(error);
 } catch (const Error& error) {
     if (key == "tf") throw;
-    throw CLI::ValidationError(option_of(key) + ": " + error.what());
+    throw UsageError(option_of(key) + ": " + error.what());
 }
 
 }  // namespace
@@ -115,8 +149,12 @@ std::string options_of(const RequestMember& member) {
     return option_of(member.key) + (member.key == "bands" ? " --iso" : "");
 }
 
-CLI::ValidationError as_option(const RequestError& error) {
-    return CLI::ValidationError(option_of(error.member()) + spelled(error.text()));
+UsageError as_option(const RequestError& error) {
+    const std::string option = option_of(error.member());
+    std::string text = spelled(error.text());
+    const bool has_value = text.starts_with(' ') && text.find(' ', 1) == text.find(':') + 1;
+    if (is_setting(error.member()) && has_value) text.front() = '=';
+    return UsageError(option + text);
 }
 
 }  // namespace vog::cli

@@ -1,12 +1,13 @@
 // request_options.h: options of a picture's request, made from the library's table of its members (vog/request_schema.h).
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "options/parser/given_options.h"
+#include "shared/usage_error.h"
 #include "vog/request_schema.h"
 
 namespace vog::cli {
@@ -20,7 +21,7 @@ struct RequestWords {
     std::string word(const std::string& key, const std::string& otherwise = "") const;
     Show show() const { return show_named(word("show", "T")); }
     /// A request with these members.
-    /// throws  CLI::ValidationError naming the option whose words are none of its values
+    /// throws  UsageError naming the option whose words are none of its values
     PictureRequest over(PictureRequest base = {}) const;
 };
 
@@ -29,9 +30,9 @@ struct RequestWords {
 void add_request_options(CLI::App& command, RequestWords& words);
 void add_shown_options(CLI::App& command, RequestWords& words, const std::string& group = "");
 
-/// Options of a member: "--least-column"; of bands "--band --iso".
+/// Options of a member: "--slabs"; of bands "--band --iso".
 std::string options_of(const RequestMember& member);
 /// An error as the command line names its options.
-CLI::ValidationError as_option(const RequestError& error);
+UsageError as_option(const RequestError& error);
 
 }  // namespace vog::cli

@@ -206,17 +206,18 @@ void require_addable(const PictureRequest& request, FileKind kind) {
     const bool by_value = is_by_value(request.show);
     const bool linear = request.options.voxels.interpolation == Interpolation::linear;
     if (request.options.trace.stop_transmittance > 0)
-        throw CLI::ValidationError(
-            "--stop-transmittance: a rank does not know the transmittance in front of its part of "
+        throw UsageError(
+            "--set stop-transmittance: a rank does not know the transmittance in front of its part "
+            "of "
             "a ray; expected one process (vog render)");
     if (kind == FileKind::volume && linear && (by_value || request.options.voxels.step_voxels > 0))
-        throw CLI::ValidationError(fmt::format(
+        throw UsageError(fmt::format(
             "{} with --interpolation linear: samples begin where a ray enters the whole volume, "
             "and "
             "a rank holds only a part of it; expected {}, or one process (vog render)",
-            show, by_value ? "--interpolation constant" : "--step 0 (exact, cell by cell)"));
+            show, by_value ? "--interpolation constant" : "--set step=0 (exact, cell by cell)"));
     if (*request.renderer == Renderer::trace && by_value)
-        throw CLI::ValidationError(fmt::format(
+        throw UsageError(fmt::format(
             "--renderer trace: {} needs all Gaussians of a ray in their order, and a rank "
             "holds only some of them; expected --renderer splat, or one process (vog render)",
             show));
@@ -235,7 +236,7 @@ void load_divided(const DrawingArguments& arguments, const PictureRequest& reque
     DividedVolumes part = ranks.load_volumes(arguments, arguments.volume, beside);
     if (part.failure && !is_by_value(request.show)) std::rethrow_exception(part.failure);
     if (part.is_mesh && request.options.voxels.interpolation == Interpolation::linear)
-        throw CLI::ValidationError(
+        throw UsageError(
             "--interpolation linear: at the edge of a part, levels of a mesh need values that "
             "other ranks hold; expected --interpolation constant, or one process (vog render)");
     if (is_by_value(request.show))

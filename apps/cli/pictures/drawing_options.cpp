@@ -7,16 +7,6 @@
 
 namespace vog::cli {
 
-void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
-    command
-        .add_option("inputs", arguments.inputs,
-                    "PLY models, OpenVDB or NanoVDB volumes, or particles (.xyz, .csv, .tsv, "
-                    ".vdb); several become one picture")
-        ->required();
-    add_volume_options(command, arguments.volume);
-    add_point_options(command, arguments.points);
-}
-
 Renderer renderer_of(const PictureRequest& request, const DrawingArguments& arguments,
                      FileKind kind) {
     const std::string& input = arguments.inputs.front();

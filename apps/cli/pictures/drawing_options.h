@@ -1,7 +1,6 @@
 // drawing_options.h: inputs of vog render, and the renderer that draws them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,9 +17,6 @@ struct DrawingArguments {
     std::optional<SiteView>
         site_view;  ///< of inputs that are sites alone; none: they are read whole
 };
-
-/// Adds the inputs and the options of their readers.
-void add_drawing_options(CLI::App& command, DrawingArguments& arguments);
 
 /// Renderer of a request, or the default one of the inputs' kind.
 /// throws  vog::Error for a renderer that does not draw such inputs

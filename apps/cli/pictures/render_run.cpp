@@ -13,7 +13,6 @@
 #include "help/version.h"
 #include "pictures/request_file.h"
 #include "shared/outputs.h"
-#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 
@@ -21,10 +20,10 @@ namespace vog::cli {
 
 namespace {
 
-/// throws CLI::ValidationError and vog::Error before any work
+/// throws UsageError and vog::Error before any work
 void check_arguments(const RenderArguments& arguments, bool writes) {
     if (is_field_map(arguments.request.show) && arguments.request.field.empty())
-        throw CLI::ValidationError(
+        throw UsageError(
             fmt::format("--show {}: expected --field NAME", word_of(arguments.request.show)));
     // Folders and names with a number are checked where they are made.
     const auto is_file = [&](const std::string& output) {
@@ -156,8 +155,6 @@ void save(const RenderArguments& arguments, const Picture& picture, const std::s
         stages.run("save", [&] { save_picture(arguments, picture.image, record); });
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth(), record);
     if (!arguments.values_output.empty()) write_numbers(arguments.values_output, picture, record);
-    if (!arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, picture.made.camera());
 }
 
 }  // namespace
@@ -260,50 +257,10 @@ void print(const RenderedPicture& picture, bool repeated) {
                                picture.render_ms.back(), picture.render_ms.size()));
 }
 
-void add_render_options(CLI::App& command, RenderArguments& arguments) {
-    command.add_option(
-        "-o,--output", arguments.output,
-        "Picture to write, .png or float .exr; default: the input's name with .png in the working "
-        "folder, "
-        "-2, -3, ... added where that exists. A folder (or a name that ends in /), a "
-        "name with a number (t_%04d.png) or a film (.mp4, .webm: by ffmpeg): one "
-        "picture per input, all under one camera and one extinction");
-    command
-        .add_option("--turntable", arguments.turntable,
-                    "Turn the view once about the up axis, in this many pictures, of all inputs "
-                    "together: -o names a folder (0001.png, ...), a name with a number or a film. "
-                    "Extinction and range are those of the first")
-        ->check(CLI::Range(1, 9999));
-    command.add_flag(
-        "--steps", arguments.steps,
-        "With --turntable: the inputs are steps in time, which runs once during the turn");
-    command.add_option("--fps", arguments.per_second, "Pictures a second of a film")
-        ->check(CLI::Range(0.01, 240.0))
-        ->capture_default_str();
-    command.add_option("--depth-out", arguments.depth_output,
-                       "Image of optical depth T to write: .exr with one float channel Y");
-    command.add_option(
-        "--values-out", arguments.values_output,
-        "File of the shown quantity as float32 numbers, height x width, rows from the "
-        "top: .npy or .exr; of a field the .exr has the channels column, mean and "
-        "deviation. A folder where -o is one: .npy files");
-    add_drawing_options(command, arguments.drawing);
-    add_request_option(command, arguments);
-    add_view_options(command, arguments.view);
-    add_request_options(command, arguments.words);
-    add_memory_options(command, arguments.memory, "");
-    command
-        .add_option("--repeat", arguments.repeat,
-                    "Render this many times after one warm-up, and report the minimum, median and "
-                    "maximum time")
-        ->check(CLI::Range(1, 100000));
-    add_run_options(command, arguments.threads, arguments.json, arguments.verbose);
-}
-
 namespace {
 
 /// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
-RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
+RenderArguments of_view(RenderArguments arguments, const GivenOptions& command,
                         const RenderRanks& ranks) {
     if (!all_sites(arguments.drawing.inputs) || arguments.turntable || ranks.divided())
         return arguments;
@@ -320,7 +277,8 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     return arguments;
 }
 
-std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const CLI::App& command,
+std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
+                                             const GivenOptions& command,
                                              const RenderRanks& ranks) {
     PictureRequest request = given.request;
     check_arguments(given, ranks.is_root);
@@ -368,7 +326,7 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given, const
 
 }  // namespace
 
-std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+std::vector<RenderedPicture> render(const RenderArguments& arguments, const GivenOptions& command,
                                     const RenderRanks& ranks) try {
     return render_pictures(arguments, command, ranks);
 } catch (const RequestError& error) {

@@ -2,7 +2,6 @@
 // vog-mpi.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -82,16 +81,9 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture);
 /// repeated  whether --repeat was given: the times get a line of their own
 void print(const RenderedPicture& picture, bool repeated);
 
-/// Adds the options of `vog render`.
-void add_render_options(CLI::App& command, RenderArguments& arguments);
-
 /// Renders and writes the picture of each view: one, or those of --turntable.
 /// returns  their figures; none on ranks other than the root
-std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+std::vector<RenderedPicture> render(const RenderArguments& arguments, const GivenOptions& command,
                                     const RenderRanks& ranks = {});
-
-/// Adds the subcommand.
-void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,
-                const RenderRanks& ranks);
 
 }  // namespace vog::cli

@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 /// Options of reading, first those of particles, then those of volumes.
 constexpr const char* kOfPoints[] = {"--columns", "--value", "--radius", "--periodic",
                                      "--neighbours"};
-constexpr const char* kOfVolumes[] = {"--grid", "--mask", "--sum", "--mesh", "--level-set-to-fog",
+constexpr const char* kOfVolumes[] = {"--grid", "--mask", "--combine", "--level-set-to-fog",
                                       "--field"};
 constexpr const char* kOfAll[] = {"--skip-nonfinite", "--clip-negative"};
 
@@ -58,18 +58,15 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
 
 /// Gives an option the values that it has in a file, as if the command line stated them; options of other kinds of data are left out.
 /// throws  vog::Error for another option than those of reading
-void read_as(const std::string& name, const std::vector<std::string>& values, CLI::App& command,
+void read_as(const std::string& name, const std::vector<std::string>& values, GivenOptions& command,
              FileKind kind) {
     if (!has(kOfPoints, name) && !has(kOfVolumes, name) && !has(kOfAll, name))
         throw Error(fmt::format("'{}' is no option of reading inputs", printable(name, 60)));
     if (values.empty()) throw Error(fmt::format("'{}' in 'reading' has no value", name));
-    CLI::Option& option = *command.get_option(name);
     const bool fits = kind == FileKind::points   ? !has(kOfVolumes, name)
                       : kind == FileKind::volume ? !has(kOfPoints, name)
                                                  : has(kOfAll, name);
-    if (option.count() > 0 || !fits) return;
-    for (const std::string& value : values) option.add_result(value);
-    option.run_callback();
+    if (fits && !command.has(name)) command.state(name, values);
 }
 
 /// throws  vog::Error unless the inputs that a record names are there
@@ -92,18 +89,8 @@ bool is_json(const std::string& request) {
 
 }  // namespace
 
-void add_request_option(CLI::App& command, RenderArguments& arguments) {
-    command
-        .add_option(
-            "--request", arguments.request_file,
-            "Draw a picture again: a PNG or EXR that vog wrote, or its JSON (\"request\" of "
-            "--json). It states its inputs and all options; those given beside it take "
-            "their place")
-        ->each([&command](const std::string&) { command.get_option("inputs")->required(false); });
-}
-
-void take_request(RenderArguments& arguments, CLI::App& command) try {
-    if (command.count("--request") == 0) {
+void take_request(RenderArguments& arguments, GivenOptions& command) try {
+    if (!command.has("--request")) {
         arguments.request = arguments.words.over();
         return;
     }
@@ -117,7 +104,7 @@ void take_request(RenderArguments& arguments, CLI::App& command) try {
     const bool same_field = !arguments.words.has("field") && !arguments.words.has("show");
     const auto grid = record.reading.find("--grid");
     const bool has_grid = grid != record.reading.end() && !grid->second.empty();
-    const FileKind kind = common_kind(expanded(inputs), command.count("--grid") || !has_grid
+    const FileKind kind = common_kind(expanded(inputs), command.has("--grid") || !has_grid
                                                             ? arguments.drawing.volume.grid
                                                             : grid->second.front());
     PictureRequest& request = arguments.request;
@@ -137,14 +124,13 @@ void take_request(RenderArguments& arguments, CLI::App& command) try {
     throw Error(text.starts_with(name) ? text : name + ": " + text);
 }
 
-std::map<std::string, std::vector<std::string>> reading_options(const CLI::App& command) {
+std::map<std::string, std::vector<std::string>> reading_options(const GivenOptions& command) {
     std::map<std::string, std::vector<std::string>> given;
-    for (const CLI::Option* option : command.get_options()) {
-        const std::string name = option->get_name();
+    for (const std::string& name : command.names()) {
         const bool reads = has(kOfPoints, name) || has(kOfVolumes, name) || has(kOfAll, name);
-        if (!reads || option->count() == 0) continue;
-        if (name == "--field" && !names_file(option->results().front())) continue;
-        given[name] = option->results();
+        const std::vector<std::string> values = command.values(name);
+        if (!reads || (name == "--field" && !names_file(values.front()))) continue;
+        given[name] = values;
     }
     return given;
 }

@@ -1,19 +1,15 @@
 // request_file.h: --request: pictures drawn again from the record that they keep (vog/picture_record.h).
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "pictures/render_run.h"
 
 namespace vog::cli {
 
-/// Adds --request, with which inputs may be absent.
-void add_request_option(CLI::App& command, RenderArguments& arguments);
 /// Sets the request that the options state, without a camera. Of --request the file's where no option states another, and its inputs where
 /// the command line names none.
 /// throws  vog::Error for a file that holds none, or one whose options of reading are none
-void take_request(RenderArguments& arguments, CLI::App& command);
+void take_request(RenderArguments& arguments, GivenOptions& command);
 /// Options of reading the inputs that the command line states.
-std::map<std::string, std::vector<std::string>> reading_options(const CLI::App& command);
+std::map<std::string, std::vector<std::string>> reading_options(const GivenOptions& command);
 
 }  // namespace vog::cli

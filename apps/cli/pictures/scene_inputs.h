@@ -48,7 +48,7 @@ struct SceneInputs {
 
 /// Reads the inputs with the field that the request shows.
 /// request  with its renderer
-/// throws   vog::Error for inputs that cannot be read or lack the field; CLI::ValidationError for options without effect
+/// throws   vog::Error for inputs that cannot be read or lack the field; UsageError for options without effect
 SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& request,
                        const RenderRanks& ranks);
 
@@ -70,7 +70,7 @@ std::vector<VoxelField> read_shown_field(const DrawingArguments& arguments,
 /// Whether a volume's values below 0 may be a field: every active voxel then counts alike.
 bool may_be_signed(const VolumeInputOptions& options);
 std::string signed_note(const std::string& input, double lower, double upper);
-/// throws  CLI::ValidationError and vog::Error where several ranks hold parts of inputs whose pictures do not add
+/// throws  UsageError and vog::Error where several ranks hold parts of inputs whose pictures do not add
 void require_addable(const PictureRequest& request, FileKind kind);
 /// This rank's part of volumes as a scene.
 void load_divided(const DrawingArguments& arguments, const PictureRequest& request,

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -34,7 +33,7 @@ struct ConvertArguments {
     int joint_steps = kJointSteps;
     bool no_fields = false;
     int threads = 0;
-    bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
+    bool no_hierarchy = false, json = false, verbose = false, again = false;
     MemoryArguments memory;
 };
 
@@ -44,9 +43,6 @@ struct VolumeConversion {
     MomentOptions moments;  ///< used by moments
     PaperOptions paper;     ///< used otherwise
 };
-
-/// Stage times as text: "octree 98 ms, search 1200 ms".
-std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms);
 
 /// Totals over the moment conversions of several volumes.
 struct MomentTotals {
@@ -126,9 +122,5 @@ struct ConvertRanks {
     /// One text per rank, on every rank. Empty: a single process.
     std::function<std::vector<std::string>(const std::string&)> allgather{};
 };
-/// Adds the subcommand `convert`.
-/// returns  the subcommand, for further options
-CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& arguments,
-                      const ConvertRanks& ranks);
 
 }  // namespace vog::cli

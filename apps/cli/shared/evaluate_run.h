@@ -1,7 +1,6 @@
 // evaluate_run.h: arguments and hooks of an evaluation; shared by vog and vog-mpi.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <string>
@@ -31,8 +30,5 @@ struct EvaluateRanks {
     /// Reads this rank's part of volumes whose densities add up. Empty: the whole inputs are read.
     std::function<LoadedVolumes(const EvaluateArguments&)> load{};
 };
-/// Adds the subcommand `evaluate`.
-void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,
-                  const EvaluateRanks& ranks);
 
 }  // namespace vog::cli

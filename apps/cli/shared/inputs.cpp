@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "help/next_steps.h"
 #include "shared/terminal.h"
-#include "shared/validators.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/lod.h"
@@ -99,38 +97,10 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
     return kind;
 }
 
-void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
-    command.add_option("--grid", options.grid,
-                       "Grid to read by name; default: the only scalar grid, else 'density', else "
-                       "all levels or the largest, which a note names. A pattern with * or ? reads "
-                       "all that match, as levels of one mesh: "
-                       "'density_L*'");
-    command.add_option(
-        "--mask", options.mask,
-        "Grid that marks the valid region of a level by values > 0: inside, the level "
-        "hides coarser ones; outside, it is ignored. A * stands for the match of the "
-        "* in --grid. Default: the level's own active voxels");
-    command.add_flag("--sum", options.sum, "Add up the densities of several volumes");
-    command.add_flag(
-        "--mesh", options.mesh,
-        "Take several volumes as levels of one mesh, whatever their voxels: where they overlap, "
-        "the one of the smallest voxels counts, of equal ones the first. Without this option: "
-        "only volumes whose voxels divide each other evenly, or that do not overlap");
-    command.add_flag("--level-set-to-fog", options.level_set_to_fog,
-                     "Convert a level set to a fog volume: density inside its surface");
-    command.add_flag(
-        "--skip-nonfinite", options.values.skip_nonfinite,
-        "Leave out voxels, particles or splats with NaN or infinite values, which are an "
-        "error otherwise; their number is reported");
-    command.add_flag("--clip-negative", options.values.clip_negative,
-                     "Set negative densities or masses to 0, which are an error otherwise; their "
-                     "number is reported");
-}
-
 LevelOptions level_options(const VolumeInputOptions& options) {
     const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
     if (!options.mask.empty() && has_star(options.mask) != has_star(options.grid))
-        throw CLI::ValidationError(
+        throw UsageError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or in neither",
                         options.grid, options.mask));
     return {options.grid,   options.mask, options.level_set_to_fog,
@@ -157,20 +127,21 @@ LoadedVolumes load_volumes(const std::vector<std::string>& files,
 Combination combination_of(std::size_t volumes, const VolumeInputOptions& options) {
     const bool masked = !options.mask.empty();
     if (volumes < 2 && (options.sum || options.mesh))
-        throw CLI::ValidationError(
+        throw UsageError(
             fmt::format("--{}: got one volume, expected several", options.sum ? "sum" : "mesh"));
     if (volumes < 2) return {masked ? Overlap::hide : Overlap::add, false, {}};
     if (options.sum)
-        return {Overlap::add, false, fmt::format("{} volumes add up (--sum)", volumes)};
+        return {Overlap::add, false, fmt::format("{} volumes add up (--combine sum)", volumes)};
     if (masked)
         return {Overlap::hide, false,
                 fmt::format("{} volumes are levels of one mesh, valid inside their masks (--mask)",
                             volumes)};
     if (options.mesh)
         return {Overlap::hide, false,
-                fmt::format("{} volumes are levels of one mesh (--mesh): the finest counts where "
-                            "they overlap, of equal voxels the first",
-                            volumes)};
+                fmt::format(
+                    "{} volumes are levels of one mesh (--combine mesh): the finest counts where "
+                    "they overlap, of equal voxels the first",
+                    volumes)};
     return {Overlap::hide, true, {}};
 }
 
@@ -178,45 +149,12 @@ void require_mesh(const Arrangement& arrangement) {
     if (arrangement.is_mesh()) return;
     const bool quantities = arrangement.kind == Arrangement::Kind::quantities;
     throw Error(fmt::format(
-        "{}; expected {}, --sum (densities add up) or --mesh (the finest counts, of equal voxels "
+        "{}; expected {}, --combine sum (densities add up) or --combine mesh (the finest counts, "
+        "of equal voxels "
         "the first)",
         arrangement.text,
         quantities ? "one of them (--grid NAME)"
                    : "one at a time (time steps: -o FOLDER/ of convert, render and export)"));
-}
-
-void add_point_options(CLI::App& command, PointInputOptions& options) {
-    const OptionGroup grouped(command, kPointGroup);
-    command
-        .add_option("--columns", options.columns,
-                    "Text files: the columns x,y,z or x,y,z,vx,vy,vz, by name or by number from 1; "
-                    "default: columns of these names, else the first ones")
-        ->delimiter(',');
-    command.add_option("--value", options.value,
-                       "Mass of a particle's Gaussian: count (1 each; the default), speed, or an "
-                       "attribute of the file by name");
-    command
-        .add_option(
-            "--radius", options.radius,
-            "Standard deviation of a particle's Gaussian, world units; adaptive: half the "
-            "distance to its k-th nearest neighbour (--neighbours); or the attribute with the "
-            "radii at which the particles' kernels end. auto: SmoothingLength where the file "
-            "has it, else adaptive. With --method paper: "
-            "its radius, sqrt(2) standard deviations; default: half the edge of a voxel "
-            "that holds one particle on average")
-        ->capture_default_str();
-    command
-        .add_option("--periodic", options.periodic,
-                    "Periodic box: its edge, x,y,z edges from 0, or x0,y0,z0,x1,y1,z1, world "
-                    "units; auto: the box that the snapshot states (BoxSize), or the domain of a "
-                    "mesh. What leaves through a face enters through the opposite one, neighbours "
-                    "are found across faces, and pictures show the box alone")
-        ->expected(0, 1);
-    command
-        .add_option("--neighbours", options.neighbours,
-                    "k of --radius adaptive: the nearest neighbour is 1")
-        ->check(CLI::Range(1, 64))
-        ->capture_default_str();
 }
 
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
@@ -247,7 +185,7 @@ std::optional<Box> period_of(const PointInputOptions& options) {
     try {
         return box_of_numbers(parse_numbers(*options.periodic));
     } catch (const Error&) {
-        throw CLI::ValidationError(fmt::format(
+        throw UsageError(fmt::format(
             "--periodic {}: expected auto, the box's edge, x,y,z edges or x0,y0,z0,x1,y1,z1 (after "
             "the inputs, or with a value)",
             *options.periodic));
@@ -265,7 +203,7 @@ PointOptions point_options(const PointInputOptions& options) {
         return result;
     }
     if (radius.size() != 1 || !(radius.front() > 0))
-        throw CLI::ValidationError(fmt::format(
+        throw UsageError(fmt::format(
             "--radius {}: expected a number > 0, 'adaptive' or an attribute", options.radius));
     result.radius = radius.front();
     return result;
@@ -356,8 +294,7 @@ Subject subject_of(const std::string& input, const VolumeInputOptions& volume,
 
 Vec3d parse_vector(const std::string& option, const std::string& text) {
     const auto v = parse_numbers(text);
-    if (v.size() != 3)
-        throw CLI::ValidationError(fmt::format("{} {}: expected x,y,z", option, text));
+    if (v.size() != 3) throw UsageError(fmt::format("{} {}: expected x,y,z", option, text));
     return {v[0], v[1], v[2]};
 }
 

@@ -1,7 +1,6 @@
 // inputs.h: input files and their options, and the parsing of sizes, colours and vectors.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "options/input_options.h"
+#include "shared/usage_error.h"
 #include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
@@ -32,20 +33,7 @@ FileKind kind_of(const std::string& file, const std::string& grid = {});
 /// The common kind of all inputs. throws vog::Error where they differ
 FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid);
 
-struct VolumeInputOptions {
-    std::string grid;   ///< name or pattern with '*' and '?'; empty: the default grid
-    std::string mask;   ///< name; a '*' in it stands for the match of the '*' of `grid`
-    bool sum = false;   ///< densities of several volumes add up
-    bool mesh = false;  ///< several volumes are levels, whatever their lattices
-    bool level_set_to_fog = false;
-    ValueRules values{};
-    bool ones = false;  ///< every active voxel counts as 1: a measure for values of any sign
-    bool refuse_several = false;  ///< as VdbOptions::refuse_several: the result is a number
-};
-/// Adds --grid, --mask, --sum, --mesh, --level-set-to-fog,
-/// --skip-nonfinite and --clip-negative.
-void add_volume_options(CLI::App& command, VolumeInputOptions& options);
-/// Library options from the command line. throws CLI::ValidationError for options that exclude each
+/// Library options from the command line. throws UsageError for options that exclude each
 /// other
 LevelOptions level_options(const VolumeInputOptions& options);
 /// Volumes with notes on how they combine and on values that reading changed.
@@ -54,8 +42,7 @@ struct LoadedVolumes : VolumeSet {
 };
 /// Reads volumes: one per file, or all grids whose names match --grid, with their masks where --mask
 /// is given.
-/// throws vog::Error for several volumes that are neither levels nor parts, unless --mesh or --sum
-///        is given
+/// throws vog::Error for several volumes that are neither levels nor parts, unless --combine is given
 LoadedVolumes load_volumes(const std::vector<std::string>& files,
                            const VolumeInputOptions& options);
 /// Combination of several volumes by the options alone.
@@ -68,15 +55,6 @@ Combination combination_of(std::size_t volumes, const VolumeInputOptions& option
 /// throws vog::Error with the options that help, unless volumes may hide each other
 void require_mesh(const Arrangement& arrangement);
 
-inline constexpr const char* kPointGroup = "Particles";
-struct PointInputOptions {
-    std::vector<std::string> columns;
-    std::string value, radius = kAutoSmoothing;
-    int neighbours = PointOptions{}.neighbours;
-    std::optional<std::string> periodic;  ///< of --periodic; empty: the box that the data state
-};
-/// Adds --columns, --value, --radius, --neighbours and --periodic, as the group kPointGroup.
-void add_point_options(CLI::App& command, PointInputOptions& options);
 /// Reads the particles of all files as one set.
 /// notes  receives a line on each file's particles that were left out or changed
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
@@ -84,9 +62,9 @@ Points load_points(const std::vector<std::string>& files, const PointInputOption
 /// Prints each note on standard error.
 void print_notes(const std::vector<std::string>& notes);
 /// Box of --periodic; an empty one: that of the data. None: not given.
-/// throws  CLI::ValidationError for other texts
+/// throws  UsageError for other texts
 std::optional<Box> period_of(const PointInputOptions& options);
-/// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError
+/// Library options from the command line: one Gaussian per particle. throws UsageError
 /// for a number as radius that is not > 0
 PointOptions point_options(const PointInputOptions& options);
 /// Files of models, with each index (.json) replaced by the files it names.
@@ -121,7 +99,7 @@ Subject subject_of(const std::string& input, const VolumeInputOptions& volume,
 
 /// Finite numbers separated by commas; empty for other texts.
 std::vector<double> parse_numbers(const std::string& text);
-/// Parses "x,y,z". throws CLI::ValidationError, with the name of the option, for other texts
+/// Parses "x,y,z". throws UsageError, with the name of the option, for other texts
 Vec3d parse_vector(const std::string& option, const std::string& text);
 
 }  // namespace vog::cli

@@ -35,10 +35,10 @@ bool uniform(const VolumeConversion& conversion) {
            conversion.moments.soft_steps == 0;
 }
 
-/// throws CLI::ValidationError for options that only a single process supports
+/// throws cli::UsageError for options that only a single process supports
 void check(const VolumeConversion& conversion, const Ranks& ranks) {
     const auto refuse = [](const std::string& option, const std::string& why) {
-        throw CLI::ValidationError(
+        throw cli::UsageError(
             fmt::format("{}: {}; expected one process (vog convert)", option, why));
     };
     // Uniform cells are one collective conversion, of one rank, too.
@@ -51,14 +51,14 @@ void check(const VolumeConversion& conversion, const Ranks& ranks) {
     const auto ranks_count = static_cast<std::size_t>(ranks.count());
     if (conversion.by_moments && conversion.moments.budget &&
         conversion.moments.budget < ranks_count)
-        throw CLI::ValidationError(
+        throw cli::UsageError(
             fmt::format("--budget {}: expected at least one Gaussian per rank, {}",
                         conversion.moments.budget, ranks_count));
     if (conversion.by_moments) return;
     if (conversion.paper.strategy == Strategy::variance_clusters)
-        refuse("--strategy variance", "its threshold depends on the values of all leaves");
+        refuse("--set strategy=variance", "its threshold depends on the values of all leaves");
     if (conversion.paper.strategy == Strategy::leaf_clusters)
-        refuse("--strategy neighbours", "clusters go across parts");
+        refuse("--set strategy=neighbours", "clusters go across parts");
 }
 
 /// Edge of the aligned cubes that no part divides, voxels: one Gaussian never spans two of them.
@@ -428,8 +428,6 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     if (options.by_moments)
         model.description.summary = summary_text(count, model.description.source_voxels,
                                                  totals.report(data_mass), "active voxels");
-    if (options.by_moments && arguments.stamp)
-        model.description.summary += ", " + cli::times_text(totals.stage_ms);
     made.totals = totals;
     made.data_mass = data_mass;
     made.notes = std::move(from.notes);

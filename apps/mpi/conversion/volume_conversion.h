@@ -22,7 +22,7 @@ struct ConvertedVolumes {
     std::optional<Affine> index_from_world;
 };
 /// Reads volumes and converts them by parts, with the fields of the options.
-/// throws  CLI::ValidationError for options that only a single process supports
+/// throws  cli::UsageError for options that only a single process supports
 ConvertedVolumes convert_parts(const cli::ConvertArguments& arguments,
                                const cli::VolumeConversion& given, cli::Stages& stages,
                                const Ranks& ranks);

@@ -60,7 +60,7 @@ std::string option_text(const MomentJob& job) {
     const auto add = [&](const std::string& option) { text += (text.empty() ? "" : " ") + option; };
     if (!job.overlaps()) add(fmt::format("--soft-steps {}", job.soft_steps()));
     add(fmt::format("--mass-threshold {}", o.mass_threshold));
-    if (o.spread != 1) text += fmt::format(" --spread {}", o.spread);
+    if (o.spread != 1) text += fmt::format(" --set spread={}", o.spread);
     if (o.refine_seconds > 0) text += fmt::format(" --refine {}", o.refine_seconds);
     if (o.axis_aligned) text += " --axis-aligned";
     if (job.overlaps())

@@ -87,23 +87,24 @@ void check(const Volume& volume) {
 
 /// The options as flags of `vog convert`.
 std::string flags(const PaperOptions& options) {
-    std::string text = fmt::format("--strategy {}", strategy_name(options.strategy));
+    std::string text = fmt::format("--set strategy={}", strategy_name(options.strategy));
     switch (options.strategy) {
         case Strategy::variance_clusters:
-            text += fmt::format(" --variance-threshold {}", options.variance_threshold);
+            text += fmt::format(" --set variance-threshold={}", options.variance_threshold);
             break;
         case Strategy::leaf_clusters:
-            text += fmt::format(" --similarity {}", options.similarity);
+            text += fmt::format(" --set similarity={}", options.similarity);
             break;
         case Strategy::tree_mirror:
-            text += fmt::format(" --tree-depth {}", options.tree_depth);
+            text += fmt::format(" --set tree-depth={}", options.tree_depth);
             break;
         default:
-            text += fmt::format(" --dense-block {}", options.dense_block);
+            text += fmt::format(" --set dense-block={}", options.dense_block);
     }
-    text += fmt::format(" --amplitude {} --kappa {} --opacity-threshold {} --minimum-radius {}",
-                        options.amplitude == Amplitude::mean ? "mean" : "mass", options.kappa,
-                        options.opacity_threshold, options.minimum_radius_voxels);
+    text += fmt::format(
+        " --set amplitude={} --set kappa={} --set opacity-threshold={} --set minimum-radius={}",
+        options.amplitude == Amplitude::mean ? "mean" : "mass", options.kappa,
+        options.opacity_threshold, options.minimum_radius_voxels);
     return text;
 }
 

@@ -430,7 +430,7 @@ Gaussians convert_points_paper(const Points& points, const std::string& value, d
     describe(model, points, value);
     model.method = "paper";
     model.options =
-        fmt::format("--value {} --radius {:.6g} --kappa {}", value, paper_radius, kappa);
+        fmt::format("--value {} --radius {:.6g} --set kappa={}", value, paper_radius, kappa);
     return model;
 }
 

@@ -343,8 +343,8 @@ TEST(convert_paper, the_model_says_where_it_comes_from) {
     EXPECT_EQ(model.source, "random.vdb density");
     EXPECT_EQ(model.method, "paper");
     EXPECT_EQ(model.options,
-              "--strategy smart --dense-block 4 --amplitude mass --kappa 0.01 "
-              "--opacity-threshold 0.0001 --minimum-radius 0.1");
+              "--set strategy=smart --set dense-block=4 --set amplitude=mass --set kappa=0.01 "
+              "--set opacity-threshold=0.0001 --set minimum-radius=0.1");
     EXPECT_EQ(model.source_voxels, active_voxels(volume));
     EXPECT_EQ(model.box, world_box(volume));
     // exp(-k^2 / 2) = kappa.

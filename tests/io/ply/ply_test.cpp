@@ -45,7 +45,7 @@ Gaussians labelled(Gaussians model) {
     model.source = "smoke.vdb density";
     model.source_voxels = 1049275;
     model.method = "paper";
-    model.options = "--strategy smart --dense-block 2";
+    model.options = "--set strategy=smart --set dense-block=2";
     model.summary = "mass ratio 1.00000";
     return model;
 }
@@ -223,7 +223,7 @@ TEST(ply, header_says_every_convention) {
     const std::string text = read_bytes(dir / "m.ply");
     for (const char* line : {"comment kernel ", "comment cutoff 2.25\n", "comment units ",
                              "comment source smoke.vdb density\n", "comment method paper\n",
-                             "comment options --strategy smart --dense-block 2\n",
+                             "comment options --set strategy=smart --set dense-block=2\n",
                              "comment reached mass ratio 1.00000\n", "property float rot_0\n",
                              "property float density\n"})
         EXPECT_NE(text.find(line), std::string::npos) << line;

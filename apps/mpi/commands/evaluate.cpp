@@ -1,9 +1,9 @@
 // evaluate.cpp: vog-mpi evaluate: the conversions whose model does not depend on the partition.
-#include "shared/evaluate_run.h"
+#include "commands/commands.h"
 
 #include <fmt/core.h>
 
-#include "commands.h"
+#include "commands/mpi_commands.h"
 #include "inputs_part.h"
 #include "vog/error.h"
 
@@ -46,7 +46,7 @@ cli::LoadedVolumes load_part(const cli::EvaluateArguments& arguments, const Rank
     if (part.is_mesh())
         throw Error(
             "levels of a mesh hide each other, which a distributed evaluation does not support; "
-            "expected one process (vog evaluate), or --sum");
+            "expected one process (vog evaluate), or --combine sum");
     if (part.by_files)
         throw Error(
             fmt::format("{} files for {} ranks: an evaluation divides every file among all ranks; "

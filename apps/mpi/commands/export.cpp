@@ -3,18 +3,19 @@
 
 #include <algorithm>
 
-#include "commands.h"
+#include "commands/mpi_commands.h"
 #include "conversion/volume_conversion.h"
 #include "inputs_part.h"
 #include "models/page_options.h"
 #include "models/site_run.h"
 #include "options/conversion_options.h"
 #include "options/memory_options.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "rank_files.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
-#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/model_io.h"
 #include "vog/site.h"
@@ -33,17 +34,14 @@ struct SiteArguments {
     bool site = false;  ///< --site
 };
 
-/// throws CLI::ValidationError and vog::Error for options and inputs that make no site
-FileKind check(const SiteArguments& arguments, const CLI::App& command) {
+/// throws cli::UsageError and vog::Error for options and inputs that make no site
+FileKind check(const SiteArguments& arguments, const cli::GivenOptions& command) {
     const cli::ConvertArguments& given = arguments.convert;
     if (!cli::is_sequence(given.output))
-        throw CLI::ValidationError(
+        throw cli::UsageError(
             fmt::format("-o {}: expected a folder, a name that ends in /, for a site (vog export "
                         "writes pages and files)",
                         given.output));
-    std::vector<std::string> read = given.inputs;
-    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.words.word("tf")});
-    cli::check_distinct({arguments.page.view.save_camera}, read);
     const FileKind kind = cli::common_kind(given.inputs, given.volume.grid);
     if (kind == FileKind::points)
         throw Error(
@@ -119,7 +117,7 @@ SiteInput read_input(const std::string& model, const ValueRules& rules, const Ra
     return input;
 }
 
-void export_site(const SiteArguments& given, const CLI::App& command, const Ranks& ranks) {
+void export_site(const SiteArguments& given, const cli::GivenOptions& command, const Ranks& ranks) {
     SiteArguments arguments = given;
     cli::ConvertArguments& convert = arguments.convert;
     convert.inputs = cli::expanded(given.convert.inputs);
@@ -128,7 +126,7 @@ void export_site(const SiteArguments& given, const CLI::App& command, const Rank
     convert.volume.ones = convert.measure == "volume";
     const FileKind kind = check(arguments, command);
     // As of vog export: models that one pattern matches are steps in time, and those of a site that has steps.
-    if (kind == FileKind::model && command.count("--steps") == 0)
+    if (kind == FileKind::model && !command.has("--steps"))
         arguments.page.steps = !copied.empty()
                                    ? read_site_info(given.convert.inputs.front()).steps
                                    : given.convert.inputs.size() == 1 && convert.inputs.size() > 1;
@@ -156,8 +154,6 @@ void export_site(const SiteArguments& given, const CLI::App& command, const Rank
         },
         stages, &ranks.collective());
     if (!ranks.first()) return;
-    if (site.options.camera && !arguments.page.view.save_camera.empty())
-        write_camera(arguments.page.view.save_camera, *site.options.camera);
     const auto json = cli::report_site(convert.output, !convert.json, site, stages, notes);
     if (convert.json) cli::print_json(json);
 }
@@ -209,17 +205,19 @@ void add_export(CLI::App& app, const Ranks& ranks) {
     add_volume_conversion(*command, convert);
     cli::add_page_options(*command, arguments->page);
     command
-        ->add_option("--step", arguments->compact.step,
+        ->add_option(cli::setting("rounding"), arguments->compact.step,
                      "Step of masses, shapes and (in standard deviations) means relative to "
                      "themselves; default 0.025")
         ->check(CLI::Range(1e-6, 0.5));
     command
-        ->add_option("--field-step", arguments->compact.field_step,
+        ->add_option(cli::setting("field-rounding"), arguments->compact.field_step,
                      "Step of field values relative to the range of the data; default 1/256")
         ->check(CLI::Range(1e-6, 0.5));
     cli::add_view_options(*command, arguments->page.view);
     cli::add_run_options(*command, convert.threads, convert.json, convert.verbose);
-    command->callback([arguments, command, &ranks] { export_site(*arguments, *command, ranks); });
+    command->callback([arguments, command, &ranks] {
+        export_site(*arguments, cli::GivenOptions(*command), ranks);
+    });
 }
 
 }  // namespace vog::mpi

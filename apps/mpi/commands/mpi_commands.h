@@ -1,4 +1,4 @@
-// commands.h: subcommands of vog-mpi; their options are those of vog.
+// mpi_commands.h: subcommands of vog-mpi; their options are those of vog.
 #pragma once
 
 #include <CLI/CLI.hpp>

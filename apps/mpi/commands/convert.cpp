@@ -1,5 +1,6 @@
 // convert.cpp: vog-mpi convert: volumes to one model, or one file a rank.
-#include "commands.h"
+#include "commands/commands.h"
+#include "commands/mpi_commands.h"
 #include "conversion/volume_conversion.h"
 #include "model_file.h"
 #include "rank_files.h"

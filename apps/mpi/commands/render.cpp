@@ -3,9 +3,9 @@
 // sequence is divided by pictures instead.
 #include <memory>
 
-#include "commands.h"
+#include "commands/commands.h"
+#include "commands/mpi_commands.h"
 #include "inputs_part.h"
-#include "pictures/render_run.h"
 #include "rank_files.h"
 
 namespace vog::mpi {

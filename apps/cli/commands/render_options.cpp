@@ -1,0 +1,75 @@
+// render_options.cpp: help and checks of the options of vog render.
+#include <CLI/CLI.hpp>
+
+#include "commands/commands.h"
+#include "options/parser/settings.h"
+#include "options/parser/validators.h"
+
+namespace vog::cli {
+
+namespace {
+
+void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
+    command
+        .add_option("inputs", arguments.inputs,
+                    "PLY models, OpenVDB or NanoVDB volumes, or particles (.xyz, .csv, .tsv, "
+                    ".vdb); several become one picture")
+        ->required();
+    add_volume_options(command, arguments.volume);
+    add_point_options(command, arguments.points);
+}
+
+/// Adds --request, with which inputs may be absent.
+void add_request_option(CLI::App& command, RenderArguments& arguments) {
+    command
+        .add_option(
+            "--request", arguments.request_file,
+            "Draw a picture again: a PNG or EXR that vog wrote, or its JSON (\"request\" of "
+            "--json). It states its inputs and all options; those given beside it take "
+            "their place")
+        ->each([&command](const std::string&) { command.get_option("inputs")->required(false); });
+}
+
+}  // namespace
+
+void add_render_options(CLI::App& command, RenderArguments& arguments) {
+    command.add_option(
+        "-o,--output", arguments.output,
+        "Picture to write, .png or float .exr; default: the input's name with .png in the working "
+        "folder, "
+        "-2, -3, ... added where that exists. A folder (or a name that ends in /), a "
+        "name with a number (t_%04d.png) or a film (.mp4, .webm: by ffmpeg): one "
+        "picture per input, all under one camera and one extinction");
+    command
+        .add_option("--turntable", arguments.turntable,
+                    "Turn the view once about the up axis, in this many pictures, of all inputs "
+                    "together: -o names a folder (0001.png, ...), a name with a number or a film. "
+                    "Extinction and range are those of the first")
+        ->check(CLI::Range(1, 9999));
+    command.add_flag(
+        "--steps", arguments.steps,
+        "With --turntable: the inputs are steps in time, which runs once during the turn");
+    command.add_option(setting("fps"), arguments.per_second, "Pictures a second of a film")
+        ->check(CLI::Range(0.01, 240.0))
+        ->capture_default_str();
+    command.add_option("--depth-out", arguments.depth_output,
+                       "Image of optical depth T to write: .exr with one float channel Y");
+    command.add_option(
+        "--values-out", arguments.values_output,
+        "File of the shown quantity as float32 numbers, height x width, rows from the "
+        "top: .npy or .exr; of a field the .exr has the channels column, mean and "
+        "deviation. A folder where -o is one: .npy files");
+    add_drawing_options(command, arguments.drawing);
+    add_request_option(command, arguments);
+    add_view_options(command, arguments.view);
+    add_request_options(command, arguments.words);
+    add_memory_options(command, arguments.memory, "");
+    command
+        .add_option("--repeat", arguments.repeat,
+                    "Render this many times after one warm-up, and report the minimum, median and "
+                    "maximum time")
+        ->check(CLI::Range(1, 100000));
+    add_run_options(command, arguments.threads, arguments.json, arguments.verbose);
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,78 @@
+// input_options.cpp: help and checks of the options by which inputs are read.
+#include "options/input_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "options/parser/validators.h"
+
+namespace vog::cli {
+
+void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
+    command.add_option("--grid", options.grid,
+                       "Grid to read by name; default: the only scalar grid, else 'density', else "
+                       "all levels or the largest, which a note names. A pattern with * or ? reads "
+                       "all that match, as levels of one mesh: "
+                       "'density_L*'");
+    command.add_option(
+        "--mask", options.mask,
+        "Grid that marks the valid region of a level by values > 0: inside, the level "
+        "hides coarser ones; outside, it is ignored. A * stands for the match of the "
+        "* in --grid. Default: the level's own active voxels");
+    command
+        .add_option_function<std::string>(
+            "--combine",
+            [&options](const std::string& how) {
+                options.sum = how == "sum";
+                options.mesh = how == "mesh";
+            },
+            "What several volumes are. sum: parts whose densities add up; mesh: levels of one "
+            "mesh, whatever their voxels: where they overlap, the one of the smallest voxels "
+            "counts, of equal ones the first. Default: levels whose voxels divide each other "
+            "evenly, or volumes that do not overlap")
+        ->check(CLI::IsMember({"sum", "mesh"}));
+    command.add_flag("--level-set-to-fog", options.level_set_to_fog,
+                     "Convert a level set to a fog volume: density inside its surface");
+    command.add_flag(
+        "--skip-nonfinite", options.values.skip_nonfinite,
+        "Leave out voxels, particles or splats with NaN or infinite values, which are an "
+        "error otherwise; their number is reported");
+    command.add_flag("--clip-negative", options.values.clip_negative,
+                     "Set negative densities or masses to 0, which are an error otherwise; their "
+                     "number is reported");
+}
+
+void add_point_options(CLI::App& command, PointInputOptions& options) {
+    const OptionGroup grouped(command, kPointGroup);
+    command
+        .add_option("--columns", options.columns,
+                    "Text files: the columns x,y,z or x,y,z,vx,vy,vz, by name or by number from 1; "
+                    "default: columns of these names, else the first ones")
+        ->delimiter(',');
+    command.add_option("--value", options.value,
+                       "Mass of a particle's Gaussian: count (1 each; the default), speed, or an "
+                       "attribute of the file by name");
+    command
+        .add_option(
+            "--radius", options.radius,
+            "Standard deviation of a particle's Gaussian, world units; adaptive: half the "
+            "distance to its k-th nearest neighbour (--neighbours); or the attribute with the "
+            "radii at which the particles' kernels end. auto: SmoothingLength where the file "
+            "has it, else adaptive. With --method paper: "
+            "its radius, sqrt(2) standard deviations; default: half the edge of a voxel "
+            "that holds one particle on average")
+        ->capture_default_str();
+    command
+        .add_option("--periodic", options.periodic,
+                    "Periodic box: its edge, x,y,z edges from 0, or x0,y0,z0,x1,y1,z1, world "
+                    "units; auto: the box that the snapshot states (BoxSize), or the domain of a "
+                    "mesh. What leaves through a face enters through the opposite one, neighbours "
+                    "are found across faces, and pictures show the box alone")
+        ->expected(0, 1);
+    command
+        .add_option("--neighbours", options.neighbours,
+                    "k of --radius adaptive: the nearest neighbour is 1")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
+}
+
+}  // namespace vog::cli
