@@ -487,7 +487,7 @@ joint_field  of Volume and Levels by moments: one of the fields, or "volume", th
           are then fitted to pictures of it, by joint_steps (2) steps of expectation-maximisation in the joint
           space of position and value. T is less exact: report["joint"] has error_before and error_after,
           measured errors of T, and removed, Gaussians without voxels. error and refine_seconds are then of
-          pictures by value, of a scalar field: relative L2 of premultiplied RGBA under a ramp, three bands and
+          volume pictures, of a scalar field: relative L2 of premultiplied RGBA under a ramp, three bands and
           an opaque step, in the worst view; report["joint"]["value_error"] has it, None: not measured
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in

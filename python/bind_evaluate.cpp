@@ -96,7 +96,7 @@ tf           transfer function of the pictures and the RGB figures: a name or a 
              show='volume' those of values, one or a list, beside a ramp, three narrow bands and an opaque step
 conversions  'all', 'paper' or 'moments'
 models       {name: Gaussians}, evaluated in place of conversions
-show         'T', or 'volume': pictures by value are compared too, from seven views
+show         'T', or 'volume': volume pictures are compared too, from seven views
 fields       {name: array, Volume or grid}, as convert takes them: maps of their mean and deviation, and of the data's
              own values, are compared too; None: no maps
 voxels       True: the field error too, each model turned back into voxels against the volume; for one Volume or Levels

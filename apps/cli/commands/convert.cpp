@@ -512,7 +512,7 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
         "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
         "joint space of position and value: volume (the volume's own values, as for vog render "
         "--show volume) or the name of a --field. T is less exact; by how much is reported. "
-        "--error and --refine then judge pictures by value");
+        "--error and --refine then judge volume pictures");
     command
         ->add_option(setting("joint-steps"), arguments->joint_steps,
                      "Steps of --for; more serve narrow bands of values, and cost T")

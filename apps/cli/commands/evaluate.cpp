@@ -223,7 +223,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
         ->allow_extra_args(false);
     command
         ->add_option("--show", arguments->show,
-                     "T, or volume: pictures by value are compared too, emission and absorption "
+                     "T, or volume: volume pictures are compared too, emission and absorption "
                      "under several transfer functions from seven views")
         ->check(CLI::IsMember({"T", "volume"}))
         ->capture_default_str();

@@ -49,7 +49,7 @@ std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& v
     // Signed values are no density: they are drawn by value, and become a field of Gaussians that count volume.
     if (volume.grid.min < 0)
         return {{fmt::format("vog render {} -o {} --show volume", file, png),
-                 "a picture by value; --window CENTRE,WIDTH chooses values"},
+                 "a volume picture; --window CENTRE,WIDTH chooses values"},
                 {fmt::format("vog convert {} -o {} --measure volume", file, ply),
                  "Gaussians that carry the values, positive and negative"},
                 {fmt::format("vog export {} -o {} --show volume", ply, html),
@@ -58,7 +58,8 @@ std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& v
                 {fmt::format("vog render {} -o {} --clip-negative", file, png),
                  "a picture of the positive values as a density"}};
     return {{fmt::format("vog render {} -o {}", file, png), "a picture"},
-            {fmt::format("vog render {} -o {} --show volume", file, png), "the same by value"},
+            {fmt::format("vog render {} -o {} --show volume", file, png),
+             "the same as a volume picture"},
             {fmt::format("vog convert {} -o {}", file, ply), "Gaussians"},
             {fmt::format("vog export {} -o {}", file, html), "a page for a browser"},
             {fmt::format("vog view {}", file), "a window"}};
@@ -107,7 +108,7 @@ std::vector<NextStep> steps_of_model(const FileContents& contents) {
     // The optical depth of a model of volume is its thickness: its values are the picture.
     const std::string by_value = contents.measures_volume ? " --show volume" : "";
     std::vector<NextStep> steps{{fmt::format("vog render {} -o {}{}", file, png, by_value),
-                                 by_value.empty() ? "a picture" : "a picture by value"}};
+                                 by_value.empty() ? "a picture" : "a volume picture"}};
     if (!contents.fields.empty() && by_value.empty())
         steps.push_back({fmt::format("vog render {} -o {} --show volume --field {}", file, png,
                                      quoted(contents.fields.front())),

@@ -131,7 +131,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
             "Find the smallest model with at most this error: relative L2 of optical depth T "
             "against the voxels, in the worst of {} views. The search ends where voxels "
             "interpolated linearly have the same error. Default for volumes: {}, but at most one "
-            "Gaussian to {} voxels ({} of small data). With --for: of pictures by value under "
+            "Gaussian to {} voxels ({} of small data). With --for: of volume pictures under "
             "three transfer functions. Particles become one Gaussian each unless --error, "
             "--budget, --block or --lod is given",
             error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian, kSmallCount))
@@ -153,7 +153,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         ->check(CLI::Range(0, 1000));
     add("--refine", moments.refine_seconds,
         "Refine for up to this many seconds: Gaussians are split where pictures have the largest "
-        "error, with --for pictures by value, and as many merged elsewhere. The result depends on "
+        "error, with --for volume pictures, and as many merged elsewhere. The result depends on "
         "the machine's speed")
         ->check(CLI::Range(0.0, 1e6));
     add(setting("spread"), moments.spread, "Factor on every standard deviation, at constant mass")

@@ -164,7 +164,7 @@ std::optional<SharedField> load_divided_signed(const DrawingArguments& arguments
     return field;
 }
 
-/// Parts that do not hide each other, for pictures by value.
+/// Parts that do not hide each other, for volume pictures.
 void load_visible_parts(const DrawingArguments& arguments, const PictureRequest& request,
                         const RenderRanks& ranks, bool beside, DividedVolumes& part,
                         SceneInputs& inputs) {
