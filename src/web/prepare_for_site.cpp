@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "io/site/subtree_message.h"
+#include "io/site/tree/subtree_message.h"
 #include "vog/camera.h"
 #include "vog/distributed.h"
 #include "vog/export_html.h"

@@ -17,7 +17,7 @@
 #include "io/site/chunk_file.h"
 #include "io/site/chunk_name.h"
 #include "io/site/manifest.h"
-#include "io/site/subtree.h"
+#include "io/site/tree/subtree.h"
 #include "io/vogz/vogz_bytes.h"
 #include "vog/distributed.h"
 #include "vog/error.h"

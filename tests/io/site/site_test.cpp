@@ -11,8 +11,8 @@
 #include <set>
 
 #include "io/site/chunk_name.h"
-#include "io/site/chunk_tree.h"
 #include "io/site/manifest.h"
+#include "io/site/tree/chunk_tree.h"
 #include "render/splat/splat.h"
 #include "support/data.h"
 #include "support/field_models.h"

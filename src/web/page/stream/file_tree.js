@@ -5,7 +5,7 @@ import { areNumbers, checkFields, isCount, isObject, refuse } from './rows.js';
 
 const mostBytes = 1 << 26, mostOfRun = 1 << 20, mostDepth = 64, mostParts = 4096;  // of a blob; Gaussians; depths of nodes; chunks
 const slack = 2e-5;                                              // of errors, by which parts may exceed the chunk above: six digits
-// Gaussians of a page's chunk, as of the chunks of a site (src/io/site/chunk_tree.h).
+// Gaussians of a page's chunk, as of the chunks of a site (src/io/site/tree/chunk_tree.h).
 const mostOfRoot = 8192, mostOfChunk = 16384;
 
 /**

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "io/site/subtree.h"
+#include "io/site/tree/subtree.h"
 #include "vog/gaussians.h"
 
 namespace vog::site {

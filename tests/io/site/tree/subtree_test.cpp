@@ -1,5 +1,5 @@
 // subtree_test.cpp: trees of chunks of parts of a model: as messages, as one chunk, under nodes of their own.
-#include "io/site/subtree.h"
+#include "io/site/tree/subtree.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "io/site/chunk_file.h"
-#include "io/site/subtree_message.h"
+#include "io/site/tree/subtree_message.h"
 #include "support/data.h"
 #include "support/field_models.h"
 #include "support/scenes.h"

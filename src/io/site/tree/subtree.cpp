@@ -1,5 +1,5 @@
 // subtree.cpp: chunks in parallel; tables from the leaves up; parts of processes by groups of eight.
-#include "io/site/subtree.h"
+#include "io/site/tree/subtree.h"
 
 #include <algorithm>
 #include <numeric>
@@ -9,8 +9,8 @@
 #include "core/parallel.h"
 #include "data/field_arrays.h"
 #include "io/site/chunk_file.h"
-#include "io/site/chunk_tree.h"
-#include "io/site/subtree_message.h"
+#include "io/site/tree/chunk_tree.h"
+#include "io/site/tree/subtree_message.h"
 
 namespace vog::site {
 

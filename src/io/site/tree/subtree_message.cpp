@@ -1,5 +1,5 @@
 // subtree_message.cpp: numbers as they lie in memory: all processes are of one build.
-#include "io/site/subtree_message.h"
+#include "io/site/tree/subtree_message.h"
 
 #include <cstring>
 #include <span>

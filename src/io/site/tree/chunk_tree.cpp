@@ -1,5 +1,5 @@
 // chunk_tree.cpp: chunks from the root down. Nodes and leaves below a run of nodes are runs of the next level.
-#include "io/site/chunk_tree.h"
+#include "io/site/tree/chunk_tree.h"
 
 #include <algorithm>
 
