@@ -70,7 +70,7 @@ def main():
 
         vog("export", str(model), "-o", "page.html", "--set", "levels=1")
         browser.viewport(*map(int, given.size.split("x")))
-        browser.open(folder / "page.html", "#subframes=1&embed&map=gray")
+        browser.open(folder / "page.html", "#subframes=1&embed&tf=gray")
         browser.settle()
         page = browser.evaluate("vog.page.models[0]")
         ramp, modes = modes_of(page["fields"][0])

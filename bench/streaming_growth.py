@@ -85,7 +85,8 @@ def main():
     model = json.loads((options.site / "manifest.json").read_text())["models"][0]
     page = (options.site / "index.html").read_text()
     at = page.index('type="application/json"')
-    camera = json.loads(page[page.index(">", at) + 1:page.index("</script>", at)])["camera"]
+    view = json.loads(page[page.index(">", at) + 1:page.index("</script>", at)])["picture"]["camera"]
+    camera = {"eye": view["eye"], "at": view["look_at"], "up": view["up"], "fov": view["fov_degrees"], "span": 0}
     root = row_of(options.site, model["root"])
     tables = sum(path.stat().st_size for path in [options.site / "manifest.json", *(options.site / "chunks").glob("*.json")])
     megabytes = lambda count: f"{count / 1e6:.1f} MB"

@@ -1,6 +1,7 @@
 """Pages inside of notebooks, and live widgets where anywidget is installed."""
 import html
 import importlib
+import json
 import os
 import tempfile
 from pathlib import Path
@@ -76,13 +77,13 @@ def _text(values: Any) -> str:
 
 
 def settings_of(link: str) -> "dict[str, str]":
-    """Settings of a link: {'map': 'viridis', 'eye': '1,2,3'}."""
+    """Settings of a link: {'tf': 'viridis', 'camera.eye': '1,2,3'}."""
     return dict(parse_qsl(link.lstrip("#"), keep_blank_values=True))
 
 
 def link_of(settings: "Mapping[str, str]") -> str:
     """Link with settings."""
-    return "#" + "&".join(f"{name}={quote(value, safe=',;.-')}" for name, value in settings.items())
+    return "#" + "&".join(f"{name}={quote(value, safe=',:.-')}" for name, value in settings.items())
 
 
 class Settings:
@@ -92,8 +93,8 @@ class Settings:
 
     >>> settings = vog.Settings(print)
     >>> settings.tf = "viridis"
-    #map=viridis
-    >>> settings.receive("#map=magma&range=0,2")  # as a page sends it
+    #tf=viridis
+    >>> settings.receive("#tf=magma&range=0,2")  # as a page sends it
     >>> settings.tf, settings.range
     ('magma', (0.0, 2.0))
     """
@@ -131,29 +132,36 @@ class Settings:
     @property
     def camera(self) -> "Optional[_vog.Camera]":
         """The view; None until the page has reported one."""
-        s = self._now
-        if "eye" not in s or "at" not in s:
+        s = {name[7:]: value for name, value in self._now.items() if name.startswith("camera.")}
+        if "eye" not in s or "look_at" not in s:
             return None
-        more: "dict[str, Any]" = {"orthographic_width": float(s["span"])} if "span" in s else {"fov_degrees": float(s.get("fov", "40"))}
-        return _vog.Camera(_numbers(s["eye"]), _numbers(s["at"]), _numbers(s.get("up", "0,1,0")), **more)
+        lens = "orthographic_width" if "orthographic_width" in s else "fov_degrees"
+        more: "dict[str, Any]" = {lens: float(s.get(lens, "40"))}
+        return _vog.Camera(_numbers(s["eye"]), _numbers(s["look_at"]), _numbers(s.get("up", "0,1,0")), **more)
 
     @camera.setter
     def camera(self, camera: "_vog.Camera") -> None:
         if not isinstance(camera, _vog.Camera):
             raise TypeError(f"camera: got {described(camera)}, expected a Camera")
-        more = {"span": _text([camera.orthographic_width])} if camera.orthographic_width else {"fov": _text([camera.fov_degrees])}
-        self._set(eye=_text(camera.eye), at=_text(camera.look_at), up=_text(camera.up), **more)
+        for lens in ("orthographic_width", "fov_degrees"):
+            self._now.pop(f"camera.{lens}", None)
+        lens = "orthographic_width" if camera.orthographic_width else "fov_degrees"
+        # Angles and widths belong to the size that the page reports.
+        size = {"size": self._now["size"]} if "size" in self._now else {}
+        view = {"eye": camera.eye, "look_at": camera.look_at, "up": camera.up, lens: [getattr(camera, lens)]}
+        self._set(**size, **{f"camera.{name}": _text(values) for name, values in view.items()})
 
     @property
     def tf(self) -> str:
         """Name of the colour map."""
-        return self._now.get("map", "")
+        text = self._now.get("tf", "")
+        return str(json.loads(text)["name"]) if text.startswith("{") else text
 
     @tf.setter
     def tf(self, name: str) -> None:
         if name not in _vog.TransferFunction.names():
             raise _vog.Error(f"tf: got {described(name)}, expected one of {', '.join(_vog.TransferFunction.names())}")
-        self._set(map=name)
+        self._set(tf=name)
 
     @property
     def show(self) -> str:
@@ -194,7 +202,7 @@ class Settings:
     @property
     def clip(self) -> "Optional[tuple[List[float], List[float]]]":
         """Box that is left of the data, (lower, upper), world units; None: all of it."""
-        if "clip" not in self._now:
+        if not self._now.get("clip"):
             return None
         numbers = _numbers(self._now["clip"])
         return numbers[:3], numbers[3:]
@@ -212,23 +220,23 @@ class Settings:
 
     @property
     def transfer_function(self) -> "Optional[dict[str, Any]]":
-        """Own transfer function of show='volume': {'colors': [[value, r, g, b], ...], 'opacity': [[value, opacity], ...], 'unit':
+        """Own transfer function of show='volume', which setting it selects: {'colors': [[value, r, g, b], ...], 'opacity': [[value, opacity], ...], 'unit':
         world length over which opacities hold}; None: the page's own."""
-        s = self._now
-        if not {"colors", "opacity", "unit"} <= set(s):
-            return None
-        points = lambda text: [_numbers(point) for point in text.split(";")]  # noqa: E731
-        return {"colors": points(s["colors"]), "opacity": points(s["opacity"]), "unit": float(s["unit"])}
+        text = self._now.get("tf", "")
+        points = json.loads(text) if text.startswith("{") else {}
+        return {"colors": points["colors"], "opacity": points["opacity"], "unit": points["unit_distance"]} if "domain" in points else None
 
     @transfer_function.setter
     def transfer_function(self, transfer: "Mapping[str, Any]") -> None:
         if not isinstance(transfer, Mapping) or not {"colors", "opacity", "unit"} <= set(transfer):
             raise _vog.Error(f"transfer_function: got {described(transfer)}, expected a dict with colors, opacity and unit")
-        points = lambda name, count: ";".join(_text(_checked(point, count, f"transfer_function: {name}")) for point in transfer[name])  # noqa: E731
-        unit = _checked([transfer["unit"]], 1, "transfer_function: unit")
-        if not unit[0] > 0:
-            raise _vog.Error(f"transfer_function: unit {unit[0]:g}, expected a length above 0")
-        self._set(colors=points("colors", 4), opacity=points("opacity", 2), unit=_text(unit))
+        points = {name: [_checked(point, count, f"transfer_function: {name}") for point in transfer[name]] for name, count in (("colors", 4), ("opacity", 2))}
+        unit = _checked([transfer["unit"]], 1, "transfer_function: unit")[0]
+        if not unit > 0:
+            raise _vog.Error(f"transfer_function: unit {unit:g}, expected a length above 0")
+        values = [point[0] for point in points["colors"] + points["opacity"]]
+        domain = [min(values), max(values)] if min(values) < max(values) else [values[0], values[0] + 1]
+        self._set(show="volume", tf=json.dumps({"name": "own", "domain": domain, "unit_distance": unit, **points}, separators=(",", ":")))
 
 
 def _checked(values: Any, count: int, name: str) -> List[float]:

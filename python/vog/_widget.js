@@ -1,4 +1,4 @@
-// _widget.js: the page in an iframe, and its settings to and from Python (src/web/page/outer.js).
+// _widget.js: the page in an iframe, and its settings to and from Python (src/web/page/link/outer.js).
 function render({ model, el }) {
   const frame = document.createElement('iframe');
   frame.style.cssText = 'width: 100%; border: 0';

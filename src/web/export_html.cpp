@@ -21,6 +21,7 @@
 #include "vog/error.h"
 #include "vog/field_maps.h"
 #include "vog/picture.h"
+#include "vog/picture_record.h"
 #include "web/page_fields.h"
 #include "web/page_source.h"
 #include "web/web_files.h"
@@ -38,10 +39,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
 /// The page's other modules in the order of their dependencies.
 constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js",  "decoder.js",       "colors.js",   "transfer.js", "clip.js",
-    "renderer.js", "slabs.js",   "probe.js",         "quantity.js", "levels.js",   "link.js",
-    "input.js",    "editor.js",  "clip_controls.js", "controls.js", "overlay.js",  "handles.js",
-    "player.js",   "readout.js", "outer.js"};
+    "vectors.js",  "camera.js", "decoder.js", "colors.js",        "transfer.js", "clip.js",
+    "renderer.js", "slabs.js",  "probe.js",   "quantity.js",      "levels.js",   "request.js",
+    "link.js",     "input.js",  "editor.js",  "clip_controls.js", "controls.js", "overlay.js",
+    "handles.js",  "player.js", "readout.js", "outer.js",         "record.js"};
 /// Those of pages that stream, between the others and the last one.
 constexpr const char* kStreamModules[] = {"rows.js",     "cut.js",    "visibility.js",
                                           "requests.js", "source.js", "store.js",
@@ -172,6 +173,7 @@ Json maps_json(const TransferFunction& chosen, std::string& chosen_name) {
     if (is_transfer_function_name(chosen_name)) chosen_name += " (own)";
     maps.insert(maps.begin(), own);
     maps.front()["name"] = chosen_name;
+    maps.front()["own"] = true;  // no command knows it by this name
     return maps;
 }
 
@@ -291,48 +293,29 @@ void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
                                 quantity.field, choice.field));
 }
 
-Json json_of(const ValueTransfer& transfer) {
-    Json colors = Json::array(), opacity = Json::array();
-    for (const ValueColor& c : transfer.color)
-        colors.push_back({c.value, double{c.r}, double{c.g}, double{c.b}});
-    for (const ValueOpacity& o : transfer.opacity) opacity.push_back({o.value, o.opacity});
-    return {{"name", transfer.name},
-            {"colors", colors},
-            {"opacity", opacity},
-            {"unit", transfer.unit_distance}};
-}
-
-/// First quantity of the page: names of the field and the part, null where the page selects.
-Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity, const Camera& view) {
-    Json out = {{"show", quantity.show},
-                {"slabs", (quantity.slabs + 3) / 4 * 4},
-                {"maximumSlabs", quantity.maximum_slabs}};
-    out["field"] = out["scale"] = out["transfer"] = out["clip"] = nullptr;
-    if (!quantity.field.empty()) {
-        const FieldChoice choice = field_choice(quantity.field, model.fields);
-        constexpr const char* kParts[] = {"", "view", "x", "y", "z", "magnitude"};
-        out["field"] = choice.field;
-        out["part"] = kParts[static_cast<std::size_t>(choice.part)];
-    }
+/// Request of the page's first picture (vog/picture_record.h).
+/// view  the first one
+Json picture_json(const Gaussians& model, const HtmlOptions& options, const Camera& view) {
+    const HtmlQuantity& quantity = options.quantity;
+    PictureRequest request;
+    request.show = show_named(quantity.show);
+    request.field = quantity.field;
+    request.camera = view;
+    request.shading = options.shading;
+    request.look = quantity.look;
+    request.options.clip = quantity.look.clip;
     std::optional<ColorScale> scale = quantity.scale;
     if (!scale && quantity.log && quantity.show != "T" && quantity.show != "volume")
         scale = logarithmic_scale(model, quantity, view);
-    if (scale)
-        out["scale"] = {{"low", scale->low},
-                        {"high", scale->high},
-                        {"log", scale->kind == ColorScale::Kind::log}};
-    if (quantity.transfer) out["transfer"] = json_of(*quantity.transfer);
+    if (scale) {
+        request.transfer.range.emplace(scale->low, scale->high);
+        request.fit = scale->kind == ColorScale::Kind::log ? ScaleFit::log : ScaleFit::linear;
+    }
+    if (quantity.transfer) request.transfer.points = transfer_points(*quantity.transfer);
+    Json picture = Json::parse(request_json(request));
     const VolumeLook& look = quantity.look;
-    out["light"] = {{"on", look.light},
-                    {"towards", json_of(look.towards_light)},
-                    {"weights", {look.ambient, look.diffuse, look.specular, look.power}}};
-    out["planes"] = Json::array();
-    for (const ClipPlane& plane : look.clip.planes)
-        out["planes"].push_back({{"normal", json_of(plane.normal)}, {"offset", plane.offset}});
-    if (look.clip.box)
-        out["clip"] = {{"lower", json_of(look.clip.box->lower)},
-                       {"upper", json_of(look.clip.box->upper)}};
-    return out;
+    picture["light_weights"] = {look.ambient, look.diffuse, look.specular, look.power};
+    return picture;
 }
 
 void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
@@ -378,21 +361,16 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
     const Rgba& ground = options.shading.background;
     std::string map_name;
     Json page = {{"title", options.title},
-                 {"camera",
-                  {{"eye", json_of(camera.eye)},
-                   {"at", json_of(camera.look_at)},
-                   {"up", json_of(camera.up)},
-                   {"fov", camera.fov_degrees},
-                   {"span", camera.orthographic_width}}},
+                 {"picture", picture_json(first, options, camera)},
                  {"upright", json_of(normalized(camera.up))},
                  {"chosenView", options.camera.has_value()},
                  {"systemBackground", options.system_background},
                  {"background", {ground.r, ground.g, ground.b, ground.a}},
-                 {"fade", options.shading.blend},
                  {"leastColumn", kLeastColumn}};
     page["maps"] = maps_json(options.tf, map_name);
     page["map"] = map_name;
-    page["quantity"] = quantity_json(first, options.quantity, camera);
+    // Of volume, whose slabs are drawn four at once, and of the largest value.
+    page["slabs"] = {(options.quantity.slabs + 3) / 4 * 4, options.quantity.maximum_slabs};
     page["steps"] = options.steps;
     return page;
 }

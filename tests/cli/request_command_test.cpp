@@ -100,6 +100,43 @@ TEST_F(request_command, the_camera_is_turned_and_placed_by_options) {
     must_fail(2, "render --request first.png --width 3 -o flat.png", "holds a pinhole camera");
 }
 
+TEST_F(request_command, draws_the_picture_of_a_pages_link) {
+    const std::string words =
+        "model=2&level=3&logaxis&error=2&planes_off=%5B%5B1,0,0,0%5D%5D&show=volume&field=density&"
+        "tf=viridis&range=0.1,0.9&scale=log&unit_distance=2e%2B1&light=head&light_weights=0.3,0.6,"
+        "0.3,"
+        "20&clip=-9,-9,-9,9,9,9&clip_planes=%5B%5B1,0,0,-3%5D%5D&background=1,1,1,1&camera.eye=0,0,"
+        "90&camera.look_at=0,0,0&camera.up=0,1,0&camera.fov_degrees=40&size=40,30";
+    must("render cloud.ply -o first.png --request 'file:///a%20b/page.html#" + words + "'");
+    must(
+        "render cloud.ply -o same.png --show volume --field density --tf viridis --range 0.1,0.9 "
+        "--scale log --unit-distance 20 --light head --light-weights .3,.6,.3,20 "
+        "--clip=-9,-9,-9,9,9,9 --clip-plane 1,0,0,-3 --background 1,1,1 --eye 0,0,90 "
+        "--look-at 0,0,0 --fov 40 --size 40x30");
+    expect_same_pixels("first.png", "same.png");
+    write("link.txt", "https://example.org/#" + words + "\n");
+    must("render cloud.ply -o again.png --request link.txt");
+    EXPECT_EQ(bytes("again.png"), bytes("first.png"));
+    // A flag, a member's default, a name with a space.
+    const PictureRecord record = record_of_link("#blend&field=gas+temp%C3%A9&clip=&title=1");
+    EXPECT_TRUE(record.request.shading.blend);
+    EXPECT_EQ(record.request.field, "gas temp\u00e9");
+    EXPECT_EQ(record.request.marks.title, "1");
+    EXPECT_FALSE(record.request.options.clip.box);
+    must_fail(1, "render cloud.ply -o x.png --request '#map=viridis'", "map: no member");
+    must_fail(1, "render cloud.ply -o x.png --request '#show=<b>&tf=x'", "show <b>: expected");
+    must_fail(1, "render cloud.ply -o x.png --request 'page.html#'", "no link of a page");
+    must_fail(1, "render cloud.ply -o x.png --request '#camera.eye=1,2,3'", "look_at");
+    must_fail(1, "render -o x.png --request '#show=column'", "names no inputs");
+    for (std::size_t length = 0; length < words.size(); ++length) {  // no crash
+        try {
+            (void)record_of_link("#" + words.substr(0, length));
+        } catch (const Error& error) {
+            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+        }
+    }
+}
+
 TEST_F(request_command, reports_the_request_and_reads_the_report) {
     const auto report = nlohmann::json::parse(
         must("render cloud.vdb --show column --size 40 --values-out v.npy --json").out);

@@ -69,8 +69,8 @@ def test_a_live_widget_has_the_settings():
     seen = []
     widget.on_change(lambda one: seen.append(one.tf))
     widget.tf = "viridis"
-    assert widget.sent == "1 #map=viridis"
-    widget.link = "#map=magma&eye=1,2,3&at=0,0,0&up=0,1,0&fov=30"  # as the page sends it
+    assert widget.sent == "1 #tf=viridis"
+    widget.link = "#tf=magma&camera.eye=1,2,3&camera.look_at=0,0,0&camera.up=0,1,0&camera.fov_degrees=30"  # as the page sends it
     assert seen == ["magma"]
     assert widget.camera.eye == (1, 2, 3)
     before = widget.html

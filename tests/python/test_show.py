@@ -49,13 +49,14 @@ def test_settings_go_both_ways():
     settings.tf, settings.show, settings.field = "viridis", "volume", "gas temperature"
     settings.range = (1, 2.5)
     settings.clip = ((0, 0, 0), (1, 1, 1))
+    assert settings.tf == "viridis" and settings.transfer_function is None
     transfer = {"colors": [[0, 0, 0, 0], [1, 1, 1, 1]], "opacity": [[0, 0], [1, 0.5]], "unit": 2.0}
     settings.transfer_function = transfer
     other = vog.Settings(lambda link: None)
     other.receive("#" + "&".join(link.lstrip("#") for link in sent))
     assert other.settings == settings.settings
     assert (other.camera.eye, other.camera.look_at, other.camera.fov_degrees) == ((1, 2, 3), (0, 0, 1), 25)
-    assert (other.tf, other.show, other.field, other.range) == ("viridis", "volume", "gas temperature", (1, 2.5))
+    assert (other.tf, other.show, other.field, other.range) == ("own", "volume", "gas temperature", (1, 2.5))
     assert other.clip == ([0, 0, 0], [1, 1, 1])
     assert other.transfer_function == transfer
     settings.camera = vog.Camera((1, 2, 3), (0, 0, 0), orthographic_width=7)
@@ -65,8 +66,8 @@ def test_settings_go_both_ways():
 def test_changes_by_hand_call_functions_once():
     settings, seen = vog.Settings(lambda link: None), []
     settings.on_change(lambda one: seen.append(one.tf))
-    settings.receive("#map=magma")
-    settings.receive("#map=magma")
+    settings.receive("#tf=magma")
+    settings.receive("#tf=magma")
     assert seen == ["magma"]
     with pytest.raises(TypeError, match="expected a function"):
         settings.on_change(3)

@@ -72,7 +72,7 @@ class Exploring(PageTest):
         for width, height in ((360, 740), (640, 900), (820, 1180), (1440, 900)):
             self.browser.leave()
             self.browser.viewport(width, height, COARSE, width < 500)
-            self.open("two.html", "#subframes=1&show=deviation&map=gray")
+            self.open("two.html", "#subframes=1&show=deviation&tf=gray")
             self.value("vog.page.models[0].fields[0].name = 'temperature of the gas'; vog.change({panel: innerWidth > 700})")
             self.browser.settle()
             x, y = self.value("[picture.clientWidth / 2, picture.clientHeight / 2]")

@@ -10,11 +10,15 @@ from exploring_test import random_gaussians, write_scalars
 from page_test_case import run, vog
 from streaming_test_case import NodeTest
 
-NONSENSE = "#subframes=1&eye=1,2&at=x&fov=400&map=<b>&level=0&model=-3&exposure=NaN&up=0,0,"
+NONSENSE = ("#subframes=1&camera.eye=1,2&camera.look_at=x&camera.fov_degrees=400&tf=<b>&level=0&model=-3&exposure=NaN&camera.up=0,0,&show=<img>&field=nothing"
+            "&clip=1,1,1,0,0,0&extinction=-1&blend=7&light=up&background=mauve&range=2,1&scale=cubic&threshold=x&%E0%A4%A=&__proto__=1&constructor&toString.x=1&camera=3")
+JSONS = ['{"tf": {"colors": 5}}', '{"tf": {"name": {"toString": 1}, "domain": [0, 1], "colors": [[0, 0, 0, 0]]}, "show": "volume"}', '{"camera": {"eye": "x", "sky": 1}}',
+         '{"camera": null, "background": {"toString": 1}}', '{"picture": 3}', '{"picture": ["a"]}', '{"bands": [1], "show": "volume"}', '{"clip_planes": [[0, 0, 0, 1]]}',
+         '{"__proto__": {"show": "T"}}', '{"light_weights": "x"}', '{"size": {}}', '{broken']
 
 
 class Links(NodeTest):
-    modules = ("link.js", "quantity.js")
+    modules = ("link/link.js", "link/request.js", "quantity.js", "vectors.js")
 
     @classmethod
     def make(cls):
@@ -29,7 +33,12 @@ class Links(NodeTest):
         return self.value(f"""(() => {{
             globalThis.page = {page};
             let state = firstState(page, true);
-            for (const hash of {json.dumps(hashes or [""])}) state = changedState(page, state, partOfLink(page, state, readLink(hash, state.camera)));
+            globalThis.problems = [];
+            for (const hash of {json.dumps(hashes or [""])}) {{
+                const found = partOfLink(page, state, readLink(hash), state.camera);
+                problems.push(...found.problems);
+                state = changedState(page, state, found.part);
+            }}
             return globalThis.state = state;
         }})()""")
 
@@ -43,27 +52,84 @@ class Links(NodeTest):
         self.assertEqual(self.field("#subframes=1&show=mean"), "heat")
         self.assertEqual(self.field("#subframes=1&show=mean", "#show=volume"), "heat")
         # A transfer function of a link is the density's.
-        state = self.state("#subframes=1&show=volume&colors=0,1,0,0;1,1,1,1&opacity=0,0;1,1&unit=2")
+        state = self.state('#subframes=1&show=volume&tf={"domain":[0,1],"unit_distance":2,"colors":[[0,1,0,0],[1,1,1,1]],"opacity":[[0,0],[1,1]]}')
         self.assertEqual(list(state["transfers"]), ["1"])
+        self.assertEqual(state["transfers"]["1"]["unit"], 2)
 
-    def test_an_address_of_nonsense_is_ignored(self):
+    def test_nonsense_changes_nothing_and_is_named(self):
         expected = self.state("#subframes=1")
         self.assertEqual(self.state(NONSENSE), expected)
-        self.assertEqual(self.state("#subframes=1&eye=0,0,0&at=0,0,0"), expected)
+        problems = self.value("problems")
+        for key in ("camera", "tf", "level", "model", "exposure", "show", "field", "clip", "extinction", "blend", "light", "background", "range", "scale", "threshold"):
+            self.assertTrue(any(line.startswith(f"{key} ") or line.startswith(f"{key}:") for line in problems), f"{key}: {problems}")
+        self.assertTrue(all(len(line) < 300 and "\n" not in line for line in problems))
+        self.assertEqual(self.state("#subframes=1&camera.eye=0,0,0&camera.look_at=0,0,0"), expected)
+        for text in JSONS:
+            state = self.state(text)
+            self.assertTrue(self.value("problems.length > 0") or "toString" in text and "tf" in text or text == '{"size": {}}', text)
+            self.assertEqual([state["map"], state["clip"], state["planes"]], [expected["map"], None, []], text)
 
-    def test_planes_that_are_none_are_ignored(self):
-        for wrong in ("planes=1,2", "planes=0,0,0,1", "planes=a,b,c,d", "planes=" + ";".join(["1,0,0,0"] * 11)):
+    def test_planes_that_are_none_are_refused(self):
+        for wrong in ("clip_planes=1,2", "clip_planes=0,0,0,1", "clip_planes=a,b,c,d", f"clip_planes={[[1, 0, 0, 0]] * 11}"):
             self.assertEqual(self.state(f"#{wrong}")["planes"], [])
-        self.assertEqual(len(self.state("#planes=" + ";".join(["1,0,0,0"] * 10))["planes"]), 10)
+            self.assertEqual(len(self.value("problems")), 1)
+        self.assertEqual(len(self.state(f"#clip_planes={[[1, 0, 0, 0]] * 10}")["planes"]), 10)
+        self.assertEqual(self.state("#clip_planes=1,0,0,2", "#clip_planes=")["planes"], [])
+
+    def test_a_request_states_every_member(self):
+        """JSON of a picture: members that it leaves out have their defaults, those of links stay."""
+        begun = "#show=volume&clip=0,0,0,1,1,1&light=1,2,3&tf=magma&blend"
+        self.assertEqual(self.state(begun, "#tf=viridis")["clip"], {"lower": [0] * 3, "upper": [1] * 3})
+        state = self.state(begun, '{"vog": "1", "inputs": ["<b>"], "picture": {"show": "column", "range": [1, 10], "scale": "log", "size": [40, 20], "renderer": "trace"}}')
+        self.assertEqual([state["show"], state["clip"], state["light"]["on"], state["fade"]], ["column", None, False, False])
+        self.assertEqual(state["scale"], {"low": 1, "high": 10, "log": True})
+        self.assertEqual(self.value("problems"), [])
+        # As the window copies it.
+        state = self.state("""--request '{"inputs":[],"picture":{"show":"volume","field":"heat","threshold":300,"range":[290,310],"unit_distance":3}}'""")
+        transfer = state["transfers"]["0"]
+        self.assertEqual([transfer["unit"], transfer["opacity"][0], transfer["opacity"][-1], transfer["colors"][0][0]], [3, [300, 0], [310, 1], 290])
+        self.assertAlmostEqual(transfer["opacity"][1][1], 0.5)
+        band = self.state('{"show": "volume", "field": "heat", "bands": [[290, 300, [1, 0, 0], 0.5], [305, null, [0, 0, 1], 1]]}')["transfers"]["0"]
+        self.assertEqual([band["colors"][2], band["opacity"][-1]], [[305, 0, 0, 1], [315, 0]])
+        self.state('{"units": "K"}')
+        self.assertEqual(self.value("problems"), ["units: a page has none"])
+
+    def test_a_link_is_the_picture_again(self):
+        written = "writeLink(page, state, {scale: automaticScale(page.models, state, state.scale?.log), size: [40, 80], background: [1, 1, 1, 1], streamed: false})"
+        for begun in ("#show=mean&field=heat&tf=viridis&range=290,300", "#show=volume&field=heat&light=1,2,3&light_weights=0.1,0.2,0.3,4", "#blend&exposure=2",
+                      '#show=volume&tf={"domain":[0,1],"unit_distance":2,"colors":[[0,1,0,0],[1,1,1,1]],"opacity":[[0,0],[1,1]]}',
+                      "#show=column&clip=0,0,0,1,2,3&clip_planes=1,2,3,4&planes_off=[[0,1,0,0.5]]&camera.orthographic_width=7",
+                      '#show=column&tf={"name":"two","colors":[[0,0.5,0,0],[1,1,1,1]]}'):
+            first = self.state(begun, "#")
+            link = self.value(written)
+            self.assertEqual(self.value("problems"), [], begun)
+            again = self.state(begun, "#show=T&field=&clip=&clip_planes=&light=&tf=gray&blend=false", link)
+            self.assertEqual(self.value("problems"), [], link)
+            for key in ("show", "field", "part", "map", "reverse", "light", "clip", "planes", "transfers", "fade"):
+                if key == "map" and "domain" in link or key == "field" and first["show"] in ("T", "column") or key == "fade" and first["show"] != "T" or key == "light" and first["show"] != "volume":
+                    continue
+                self.assertEqual(again[key], first[key], f"{key} of {link}")
+            self.assertAlmostEqual(again["exposure"], first["exposure"])
+            for key in ("eye", "at", "up"):
+                for a, b in zip(again["camera"][key], first["camera"][key]):
+                    self.assertAlmostEqual(a, b, delta=1e-6)
+            for key in ("fov", "span"):
+                self.assertAlmostEqual(again["camera"][key], first["camera"][key], delta=1e-5, msg=link)
+        # A reversed map has no name.
+        self.state("#show=column&tf=viridis")
+        self.value("(state.reverse = true, 0)")
+        link = self.value(written)
+        state = self.state(link)
+        self.assertEqual([state["map"], state["reverse"]], ["viridis", True])
 
     def test_settings_change_what_they_name_and_nothing_else(self):
-        begun = self.state("#embed&still&map=magma&light&logaxis&subframes=2")
-        for settings, changed in (("#map=viridis", {"map": "viridis"}), ("#exposure=2", {"exposure": 2}), ("", {}), (NONSENSE, {"subframes": 1}),
+        begun = self.state("#embed&still&tf=magma&light=head&logaxis&subframes=2")
+        for settings, changed in (("#tf=viridis", {"map": "viridis"}), ("#exposure=2", {"exposure": 2}), ("", {}), (NONSENSE, {"subframes": 1}),
                                   ("#embed=0", {"embed": False}), ("#still=0", {"still": False}), ("#clip=0,0,0,1,1,1", {"clip": {"lower": [0] * 3, "upper": [1] * 3}})):
-            self.assertEqual(self.state("#embed&still&map=magma&light&logaxis&subframes=2", settings), {**begun, **changed}, settings)
+            self.assertEqual(self.state("#embed&still&tf=magma&light=head&logaxis&subframes=2", settings), {**begun, **changed}, settings)
         self.assertEqual([begun["embed"], begun["still"], begun["panel"]], [True, True, False])
         # A page's own settings, as it sends them, say nothing of the embedding.
-        written = self.value("writeLink(state, {field: null, scale: null, transfer: null, planes: true, streamed: false})")
+        written = self.value("writeLink(page, state, {scale: null, size: [1, 1], background: page.background, streamed: false})")
         self.assertNotIn("embed", written)
         self.assertTrue(self.state("#embed", written)["embed"])
 
@@ -72,23 +138,23 @@ class Links(NodeTest):
         return [state["scale"], self.value("automaticScale(page.models, state, state.scale?.log)")]
 
     def test_a_logarithm_without_a_range_has_the_ends_of_the_first_view(self):
-        stated, found = self.scale("#show=column&log")
+        stated, found = self.scale("#show=column&scale=log")
         self.assertEqual(stated, {"log": True})
         self.assertTrue(found["log"])
         self.assertEqual(found["high"], self.value("page.models[0].mostColumn"))
         self.assertEqual(found["low"], self.value("page.models[0].lowColumn"))
         self.assertTrue(10 <= found["high"] / found["low"] <= 1.0001e4)
-        self.assertIn("&log", self.value("writeLink(state, {scale: state.scale})"))
+        self.assertIn("&scale=log", self.value("writeLink(page, state, {scale: automaticScale(page.models, state, true), size: [1, 1], background: page.background})"))
         # Values above 0 within fewer decades keep their ends; the part above 0 of others; none where nothing is above 0.
         linear = self.scale("#show=mean&field=heat")[1]
-        self.assertEqual(self.scale("#show=mean&field=heat&log")[1], {**linear, "log": True})
-        signed = self.scale("#show=mean&field=signed&log")[1]
+        self.assertEqual(self.scale("#show=mean&field=heat&scale=log")[1], {**linear, "log": True})
+        signed = self.scale("#show=mean&field=signed&scale=log")[1]
         self.assertTrue(signed["log"])
         self.assertAlmostEqual(signed["low"] * 1e4 / signed["high"], 1)
         self.assertEqual(self.value("automaticScale([{lowColumn: 0, mostColumn: 0}], {show: 'column'}, true)"), {"low": 0, "high": 1, "log": False})
         # A range with the logarithm, and one that has none.
-        self.assertEqual(self.state("#show=column&range=1,10&log")["scale"], {"low": 1, "high": 10, "log": True})
-        self.assertIsNone(self.state("#show=column&range=-1,10&log")["scale"])
+        self.assertEqual(self.state("#show=column&range=1,10&scale=log")["scale"], {"low": 1, "high": 10, "log": True})
+        self.assertIsNone(self.state("#show=column&range=-1,10&scale=log")["scale"])
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import tempfile
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "src/web/page"
 HOST = pathlib.Path(__file__).resolve().parent / "node"
 # What a streamed page has of the page's modules.
-STREAMED = ("vectors.js", "camera.js", "quantity.js", "link.js", "controls.js", "model/gaussians.js", "model/decoder.js", "picture/clip.js",
+STREAMED = ("vectors.js", "camera.js", "quantity.js", "link/link.js", "controls.js", "model/gaussians.js", "model/decoder.js", "picture/clip.js",
             "stream/site.js", "stream/status.js")
 
 TIMEOUT_S = 300

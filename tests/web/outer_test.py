@@ -50,31 +50,31 @@ const shown = () => until(() => inner().vog?.state && model.values.link);
         return dict(word.partition("=")[::2] for word in self.value("model.values.link").lstrip("#").split("&"))
 
     def test_the_page_reports_its_settings(self):
-        self.assertEqual(self.link()["map"], "ember")
+        self.assertEqual(self.link()["tf"], "ember")
         self.assertEqual(self.value("document.querySelector('iframe').clientHeight"), 220)
         # A hand in the page arrives in Python.
         self.value("inner().vog.change({ map: 'viridis' })")
-        self.assertTrue(self.value("until(() => model.values.link.includes('map=viridis'))"))
-        self.assertTrue(self.value("model.saved.at(-1).includes('map=viridis')"))
+        self.assertTrue(self.value("until(() => model.values.link.includes('tf=viridis'))"))
+        self.assertTrue(self.value("model.saved.at(-1).includes('tf=viridis')"))
 
     def test_a_drag_arrives(self):
-        before = self.link()["eye"]
+        before = self.link()["camera.eye"]
         self.browser.drag(100, 100, 160, 110)
         self.assertTrue(self.value(f"until(() => !model.values.link.includes({json.dumps(before)}))"))
 
     def test_python_sets_them(self):
-        self.value("model.from_python('sent', '1 #map=magma&eye=5,6,7&at=0,0,0&show=column')")
+        self.value("model.from_python('sent', '1 #tf=magma&camera.eye=5,6,7&camera.look_at=0,0,0&show=column')")
         self.assertTrue(self.value("until(() => inner().vog.state.map === 'magma')"))
         self.assertEqual(self.value("inner().vog.state.camera.eye"), [5, 6, 7])
         self.assertTrue(self.value("until(() => model.values.link.includes('show=column'))"))
         # What a page does not know changes nothing.
-        self.value("model.from_python('sent', '2 #map=nothing')")
+        self.value("model.from_python('sent', '2 #tf=nothing')")
         self.value("inner().postMessage({ vog: 'settings', settings: 5 }, '*'); inner().postMessage(null, '*')")
         self.assertEqual(self.value("inner().vog.state.map"), "magma")
 
     def test_another_model_takes_the_settings(self):
-        self.value("model.from_python('sent', '1 #map=magma')")
-        self.assertTrue(self.value("until(() => model.values.link.includes('map=magma'))"))
+        self.value("model.from_python('sent', '1 #tf=magma')")
+        self.assertTrue(self.value("until(() => model.values.link.includes('tf=magma'))"))
         radius = self.value("inner().vog.page.models[0].box.radius")
         self.value("model.from_python('html', page('two'))")
         self.assertTrue(self.value(f"until(() => inner().vog && inner().vog.page.models[0].box.radius !== {radius})"))
@@ -120,8 +120,8 @@ const send = (settings) => inner().postMessage({ vog: 'settings', settings }, '*
         return self.value("inner().vog.settled().then(() => inner().vog.state.camera.eye)")
 
     def test_settings_leave_the_page_embedded_and_the_wheel_to_the_outer_page(self):
-        for settings, answer in (("'#map=magma'", "map=magma"), ("'#eye=5,6,7&at=0,0,0'", "eye=5,6,7"),
-                                 ("told.replace('magma', 'viridis')", "map=viridis")):  # the page's own settings, without `embed`
+        for settings, answer in (("'#tf=magma'", "tf=magma"), ("'#camera.eye=5,6,7&camera.look_at=0,0,0'", "camera.eye=5,6,7"),
+                                 ("told.replace('magma', 'viridis')", "tf=viridis")):  # the page's own settings, without `embed`
             self.value(f"send({settings})")
             self.until(f"told.includes('{answer}')")
             self.assertTrue(self.value("inner().vog.state.embed && inner().document.body.classList.contains('embed')"), settings)
@@ -140,7 +140,7 @@ const send = (settings) => inner().postMessage({ vog: 'settings', settings }, '*
         self.assertEqual(self.value("scrollY"), 0)
         self.value("send('#embed&still')")
         self.until("inner().vog.state.still")
-        self.value("send('#map=gray')")
+        self.value("send('#tf=gray')")
         self.until("inner().vog.state.map === 'gray'")
         self.assertTrue(self.value("inner().vog.state.embed && inner().vog.state.still"))
 

@@ -6,6 +6,7 @@ VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77
 where there is no Chromium.
 """
 import array
+import base64
 import json
 import math
 import re
@@ -236,7 +237,7 @@ class Quantities(QuantityTest):
 
     def test_tall_pictures_are_drawn_in_strips(self):
         self.start("model.html")
-        self.value("vog.page.quantity.slabs = 8")
+        self.value("vog.page.slabs[0] = 8")
         self.change(show="volume", transfers={"0": RAMP})
         self.browser.viewport(1100, 1000)
         self.value("vog.settled()")
@@ -258,7 +259,7 @@ class Quantities(QuantityTest):
         self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.x", "--range=-40,40", "--tf", "viridis")
 
     def test_a_logarithm_without_a_range_has_the_ends_of_the_first_view(self):
-        self.start("model.html", "#subframes=1&embed&show=column&log&map=viridis")
+        self.start("model.html", "#subframes=1&embed&show=column&scale=log&tf=viridis")
         low, most = self.value("[vog.page.models[0].lowColumn, vog.page.models[0].mostColumn]")
         self.assertTrue(self.value("document.getElementById('log').checked"))
         self.expect_page_is("model.ply", "--show", "column", "--scale", "log", "--tf", "viridis", "--range", f"{low!r},{most!r}", off=RIM)
@@ -372,6 +373,40 @@ class Quantities(QuantityTest):
         link = self.value("window.copied")
         self.start("model.html", "#" + link.split("#")[1] + "&subframes=1&embed")
         self.assertEqual(self.bytes(), before)
+
+    def test_the_command_draws_the_picture_of_a_link_and_the_page_that_of_the_command(self):
+        """`vog render --request LINK`, and its record pasted into the page."""
+        self.start("model.html")
+        self.browser.viewport(120, 160)  # taller than wide: angles are of the shorter side there
+        self.value("vog.settled()")
+        view, light = self.value("[vog.state.camera, vog.state.light]")
+        for n, part in enumerate((
+                {"show": "T", "map": "viridis", "reverse": True, "exposure": 2, "fade": True},
+                {"show": "column", "map": "magma", "reverse": False, "fade": False, "camera": {**view, "span": 40}},
+                {"show": "volume", "transfers": {"0": RAMP}, "light": {**light, "on": True, "towards": [1, 2, 3]}, "clip": {"lower": [-5, -5, -5], "upper": [5, 60, 5]},
+                 "planes": [{"normal": [0, 0, 1], "offset": -20, "on": True}, {"normal": [1, 0, 0], "offset": 90, "on": False}]})):
+            self.change(**part)
+            self.picture("page.png")
+            link = self.value("vog.link()")
+            vog("render", "model.ply", "-o", "again.png", "--request", f"http://127.0.0.1/model.html{link}")
+            self.hold(f"-PSNR of the command's picture of a link {n} [dB]", -self.psnr("again.png", "page.png"), FACTOR_DB - 65.3)
+            # Another state, then the picture itself, as text and as a file.
+            request = json.loads(vog("render", "model.ply", "-o", "again.png", "--request", link, "--json"))["request"]
+            png = base64.b64encode((self.folder / "again.png").read_bytes()).decode()
+            for given in (f"data.setData('text/plain', {json.dumps(json.dumps(request))})",
+                          f"data.items.add(new File([Uint8Array.from(atob('{png}'), (c) => c.charCodeAt(0))], 'again.png'))"):
+                self.change(show="T", map="gray", exposure=1, reverse=False, fade=False, planes=[], clip=None, transfers={}, camera={**view, "eye": view["at"], "at": view["eye"]})
+                self.value(f"(() => {{ const data = new DataTransfer(); {given}; "
+                           "window.dispatchEvent(new ClipboardEvent('paste', {clipboardData: data, cancelable: true})); })()")
+                self.value(f"(async () => {{ while (vog.state.show !== '{part['show']}' || vog.state.reverse !== {json.dumps(part.get('reverse', False))}) await new Promise((done) => setTimeout(done, 20)); await vog.settled(); }})()")
+                self.assertTrue(self.value("notice.hidden"), self.value("notice.textContent"))
+                self.hold(f"-PSNR of the page's picture of a record {n} [dB]", -self.psnr("page.png", self.picture()), -70)
+        # Text that states no picture is named, as text.
+        for text, line in (("hello", "Neither a link"), ("#show=<img src=x onerror=alert(1)>", "Not in this picture: show"), ('{"show": 1', "neither a link")):
+            self.value(f"(() => {{ const data = new DataTransfer(); data.setData('text/plain', {json.dumps(text)}); "
+                       "window.dispatchEvent(new ClipboardEvent('paste', {clipboardData: data, cancelable: true})); })()")
+            self.assertIn(line, self.value("new Promise((done) => setTimeout(() => done(notice.textContent), 50))"))
+        self.assertEqual(self.value("document.querySelectorAll('#notice *').length"), 0)
 
     # --- Time. ---
 

@@ -79,7 +79,7 @@ class Plans(NodeSiteTest):
         coarse = self.drawn
         self.assertLess(coarse, DUST)
         self.assertEqual(self.value("vog.source.detail().value"), 0)
-        self.assertIn("error=32", self.value("writeLink(vog.state, {streamed: true})"))
+        self.assertIn("error=32", self.value("writeLink(vog.page, vog.state, {streamed: true, size: [3, 2], background: vog.page.background})"))
         for _ in range(12):
             self.value("vog.change(vog.source.detailed(vog.source.detail().value + 1))")
         self.settle()

@@ -180,7 +180,7 @@ class Quantities(SiteTest):
         transfer = {"name": "own", "colors": [[280, 0, 0, 1], [320, 1, 0.5, 0]], "opacity": [[280, 0], [320, 1]], "unit": 1}
         (self.folder / "tf.json").write_text(json.dumps(
             {"name": "own", "domain": [280, 320], "unit_distance": 1, "colors": transfer["colors"], "opacity": transfer["opacity"]}))
-        self.value("vog.page.quantity.slabs = 8; vog.page.quantity.maximumSlabs = 16")
+        self.value("vog.page.slabs = [8, 16]")
         self.change({"show": "volume", "field": 0, "part": "", "transfers": {"0": transfer}})
         self.expect_page_is("--show", "volume", "--field", "temperature", "--tf", "tf.json", "--slabs", 8)
         self.change({"show": "maximum", "scale": {"low": 270, "high": 330, "log": False}, "map": "viridis"})
@@ -189,7 +189,7 @@ class Quantities(SiteTest):
     def test_the_probe_reads_chunks_that_are_drawn(self):
         self.start("flow", fragment="#subframes=1", size=(500, 300, COARSE))
         transfer = {"name": "own", "colors": [[280, 0, 0, 1], [320, 1, 0.5, 0]], "opacity": [[270, 0.9], [330, 0.9]], "unit": 0.1}
-        self.value("vog.page.quantity.slabs = 4")
+        self.value("vog.page.slabs[0] = 4")
         self.change({"show": "volume", "field": 0, "part": "", "transfers": {"0": transfer}})
         self.browser.mouse("mouseMoved", 250, 150)
         text = self.value("probe.textContent")

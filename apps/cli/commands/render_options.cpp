@@ -24,9 +24,9 @@ void add_request_option(CLI::App& command, RenderArguments& arguments) {
     command
         .add_option(
             "--request", arguments.request_file,
-            "Draw a picture again: a PNG or EXR that vog wrote, or its JSON (\"request\" of "
-            "--json). It states its inputs and all options; those given beside it take "
-            "their place")
+            "Draw a picture again: a PNG or EXR that vog wrote, its JSON (\"request\" of "
+            "--json), or the link of a page. It states its inputs, which a link does not, and all "
+            "options; those given beside it take their place")
         ->each([&command](const std::string&) { command.get_option("inputs")->required(false); });
 }
 

@@ -81,10 +81,20 @@ void require_inputs(const std::vector<std::string>& inputs) {
                             printable(input, 200), std::filesystem::current_path(code).string()));
 }
 
-/// Whether --request is JSON itself, not a file.
-bool is_json(const std::string& request) {
+/// Whether --request is JSON or a page's link itself, not a file.
+bool is_text(const std::string& request) {
     const std::size_t first = request.find_first_not_of(" \t\r\n");
-    return first != request.npos && request[first] == '{';
+    std::error_code code;
+    return first != request.npos &&
+           (request[first] == '{' ||
+            (request.find('#') != request.npos && !std::filesystem::exists(request, code)));
+}
+
+/// throws  vog::Error for text or a file that states no picture
+PictureRecord record_in(const std::string& request) {
+    if (!is_text(request)) return read_record(request);
+    return request.find('{') < request.find('#') ? record_of_json(request)
+                                                 : record_of_link(request);
 }
 
 }  // namespace
@@ -94,9 +104,7 @@ void take_request(RenderArguments& arguments, GivenOptions& command) try {
         arguments.request = arguments.words.over();
         return;
     }
-    const PictureRecord record = is_json(arguments.request_file)
-                                     ? record_of_json(arguments.request_file)
-                                     : read_record(arguments.request_file);
+    const PictureRecord record = record_in(arguments.request_file);
     std::vector<std::string>& inputs = arguments.drawing.inputs;
     if (inputs.empty()) require_inputs(inputs = record.inputs);
     if (names_file(record.request.field))
@@ -120,7 +128,7 @@ void take_request(RenderArguments& arguments, GivenOptions& command) try {
     arguments.view.stored = request.camera;
 } catch (const Error& error) {
     const std::string text = error.what(), file = arguments.request_file;
-    const std::string name = is_json(file) ? "--request" : file;
+    const std::string name = is_text(file) ? "--request" : file;
     throw Error(text.starts_with(name) ? text : name + ": " + text);
 }
 

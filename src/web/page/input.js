@@ -91,6 +91,7 @@ export const keyHelp = [
   ['N', 'next model'],
   ['Space , .', 'play, step back, next step'],
   ['P, C', 'save a PNG, copy a link to this view'],
+  ['Ctrl + V', 'show the view of a copied link, or a picture of vog render'],
   ['L, H', 'hide colour bar, controls'],
   ['?', 'this list'],
 ];

@@ -11,14 +11,15 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fieldPlace, inSlabs, quantityNumber } from './quantity.js';
-import { changedState, firstState, partOfLink, readLink, writeLink } from './link.js';
+import { automaticScale, automaticTransfer, comparable, fieldKey, fieldPlace, inSlabs, quantityNumber } from './quantity.js';
+import { changedState, firstState, partOfLink, readLink, writeLink } from './link/link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
 import { Handles } from './handles.js';
 import { Player } from './player.js';
-import { Outer } from './outer.js';
+import { Outer } from './link/outer.js';
+import { recordIn } from './link/record.js';
 import { Readout } from './readout.js';
 import { remapped } from './editor.js';
 
@@ -30,24 +31,24 @@ const canvas = find('picture');
 find('loading').remove();
 const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)').matches;
 
-const state = firstState(page, !narrow());
+const state = firstState(page, !narrow()), authored = state.camera;
 
 // --- What is shown. ---
 
-const comparable = () => (page.steps ? page.models : [page.models[state.model]]);
+const models = () => comparable(page, state.model);
 const mapNow = () => {
   const map = page.maps.find(({ name }) => name === state.map);
   return state.reverse ? reversed(map) : map;
 };
 const clipNow = () => ({ box: state.clip, planes: state.planes });
-const scaleNow = () => (state.scale?.low === undefined ? automaticScale(comparable(), state, state.scale?.log) : state.scale);
+const scaleNow = () => (state.scale?.low === undefined ? automaticScale(models(), state, state.scale?.log) : state.scale);
 let automatic = null;  // [key, transfer function] without edits
 /** The transfer function of the shown field. */
 function transferNow() {
   if (state.show !== 'volume') return null;
   if (state.transfers[state.field]) return state.transfers[state.field];
   const key = [page.steps ? 0 : state.model, state.field, state.map, state.reverse].join(' ');
-  if (automatic?.[0] !== key) automatic = [key, automaticTransfer(comparable(), state.field, mapNow())];
+  if (automatic?.[0] !== key) automatic = [key, automaticTransfer(models(), state.field, mapNow())];
   return automatic[1];
 }
 
@@ -91,7 +92,7 @@ function addSums(parts) {
   if (inSlabs(state.show)) {
     slabs ??= new Slabs(renderer);
     slabs.add(parts, model, camera, {
-      field, transfer, light: state.light, clip, slabs: transfer ? page.quantity.slabs : page.quantity.maximumSlabs,
+      field, transfer, light: state.light, clip, slabs: page.slabs[transfer ? 0 : 1],
       source: rangeOf(model.fields[field]),
     });
   } else {
@@ -260,7 +261,7 @@ function recolor() {
 
 /** An edited transfer function of the shown field, a unit of 0 for the field's own; null: the first one again. */
 function setTransfer(transfer) {
-  const { [state.field]: _, ...others } = state.transfers, unit = transfer?.unit || comparable()[0].fields[state.field]?.unitDistance;
+  const { [state.field]: _, ...others } = state.transfers, unit = transfer?.unit || models()[0].fields[state.field]?.unitDistance;
   change({ transfers: transfer ? { ...others, [state.field]: { ...transfer, unit } } : others });
 }
 
@@ -310,13 +311,32 @@ const still = () => state.still;
 
 /** Initial view: the author's, or the default enlarged to fill a tall screen. */
 const firstView = () => (page.chosenView
-  ? page.camera : filling(page.camera, box(0), canvas.clientWidth, canvas.clientHeight));
+  ? authored : filling(authored, box(0), canvas.clientWidth, canvas.clientHeight));
 
 /** Applies settings, as in the address behind #; others stay. */
 function follow(settings) {
-  const link = readLink(settings, firstView());
-  half = link.half ?? half;
-  change(partOfLink(page, state, link));
+  const link = readLink(settings), { part, background, problems } = partOfLink(page, state, link, firstView());
+  half = link.settings.half ?? half;
+  if (background) setBackground(background);
+  change(part);
+  if (problems.length > 0) say(`Not in this picture: ${problems.slice(0, 3).join('; ')}${problems.length > 3 ? ' …' : ''}`, 12);
+}
+
+function setBackground(color) {
+  page.systemBackground = false;
+  page.background = color;
+  const luma = 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2];
+  document.documentElement.dataset.ground = color[3] < 0.5 ? 'clear' : luma > 0.5 ? 'light' : 'dark';
+}
+
+/** Follows a link or a request that is pasted or dropped, as text or in a file of a picture. */
+async function take(event) {
+  const given = event.clipboardData ?? event.dataTransfer, [file] = given.files;
+  if (event.target.matches?.('input, textarea') || (!file && !given.types.includes('text/plain'))) return;
+  event.preventDefault();
+  const text = file ? await recordIn(file) : given.getData('text/plain');
+  if (/[#{]/.test(text)) follow(text);
+  else say(file ? `${file.name}: holds no record of a picture` : 'Neither a link nor a request', 8);
 }
 
 // --- Commands. ---
@@ -332,13 +352,9 @@ function save() {
   link.click();
 }
 
-function linkNow() {
-  const source = fieldKey(state) === null ? null : page.models[state.model].fields[state.field];
-  return writeLink(state, {
-    field: source?.name, scale: state.scale, transfer: state.show === 'volume' ? state.transfers[state.field] : null,
-    planes: state.planes.length + page.quantity.planes.length > 0, streamed: Boolean(page.site),
-  });
-}
+const linkNow = () => writeLink(page, state, {
+  scale: scaleNow(), size: [canvas.width, canvas.height], background: page.background, streamed: Boolean(page.site),
+});
 
 async function copyLink() {
   const text = location.href.replace(/#.*$/, '') + linkNow();
@@ -426,6 +442,9 @@ canvas.addEventListener('webglcontextrestored', () => {
   redraw();
 });
 window.addEventListener('hashchange', () => follow(location.hash));
+window.addEventListener('paste', take);
+window.addEventListener('drop', take);
+window.addEventListener('dragover', (event) => event.preventDefault());
 const outer = new Outer(window, { now: linkNow, follow });
 
 /** Sets the canvas to the screen's resolution, at most two pixels per CSS pixel. */

@@ -68,11 +68,20 @@ export function automaticScale(models, { show, field, part }, isLog = false) {
   return isLog && high > 0 ? { low: Math.max(low, high / 10 ** logDecades), high, log: true } : { low, high, log: false };
 }
 
-/** The transfer function that a field starts with: a map over its range. */
-export function automaticTransfer(models, field, map) {
+/** Models of one scale: steps in time, else the shown one. */
+export const comparable = ({ steps, models }, model) => (steps ? models : [models[model]]);
+
+/** Range under a map that a volume of a field starts with: {low, high, log, unit}. */
+export function automaticRange(models, field) {
   const sources = models.map((model) => model.fields[field]).filter(Boolean);
   const low = Math.min(...sources.map((s) => s.values[0])), high = Math.max(...sources.map((s) => s.values[1]));
-  return overRange(map, low, high, sources[0].unitDistance, sources[0].log && low > 0);
+  return { low, high, log: sources[0].log && low > 0, unit: sources[0].unitDistance };
+}
+
+/** The transfer function that a field starts with: a map over its range. */
+export function automaticTransfer(models, field, map) {
+  const { low, high, log, unit } = automaticRange(models, field);
+  return overRange(map, low, high, unit, log);
 }
 
 /** A number for people: four digits. */

@@ -71,6 +71,6 @@ globalThis.openPage = async (url, fragment, width, height) => {
     state, change, page, source, settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
     resize: (...size) => { [picture.width, picture.height] = size; redraw(); },
   };
-  change(partOfLink(page, state, readLink(fragment, state.camera)));
+  change(partOfLink(page, state, readLink(fragment), state.camera).part);
   source.load();
 };

@@ -3,7 +3,7 @@
 import { walker } from './colors.js';
 
 const columns = 512, rows = 24, cells = 4096;
-const mostOpacity = 0.9999;
+export const mostOpacity = 0.9999;
 const leastShare = 1e-3;  // of the range, below which a measure counts as this share
 
 /** Edges, in deviations, and masses of bins of a normal distribution. */

@@ -4,7 +4,7 @@ import { fieldPlace, inSlabs } from '../quantity.js';
 import { expectedLight } from '../picture/transfer.js';
 import { extinctionIn } from '../picture/probe.js';
 import { meets } from '../picture/clip.js';
-import { leastError, mostError } from '../link.js';
+import { leastError, mostError } from '../link/link.js';
 import { drawnCut, viewOf, wantedCut } from './cut.js';
 import { Loading } from './loading.js';
 import { Requests } from './requests.js';

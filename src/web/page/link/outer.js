@@ -1,4 +1,4 @@
-// outer.js: settings to and from the page around this one, a notebook say, as messages {vog: 'settings', settings: '#map=...'} in
+// outer.js: settings to and from the page around this one, a notebook say, as messages {vog: 'settings', settings: '#tf=...'} in
 // the words of link.js. The outer page asks by {vog: 'get'}.
 
 /** The window around this one. */

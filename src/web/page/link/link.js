@@ -1,0 +1,131 @@
+// link.js: the page's state, its changes, and its links: settings in the address behind #, as in #embed&tf=viridis&camera.eye=1,2,3. A link
+// has the members of a request (request.js) as words, key=value, in JSON without the outer brackets and quotes, and words of the page
+// alone. The page never changes its own address.
+import { carriedOver } from '../camera.js';
+import { fieldKey, shownOf } from '../quantity.js';
+import { digitsOf, partOfRequest, requestOf } from './request.js';
+
+/** Errors in pixels that coarse parts of a streamed model may have, the range of the reader's choice. */
+export const leastError = 0.5;
+export const mostError = 32;
+
+/** State of a page that opens; panel: whether its controls are shown. */
+export function firstState(page, panel) {
+  const blank = {
+    model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: false,
+    camera: null, embed: false, still: false, subframes: 8, panel, bar: true,
+    show: 'T', field: -1, part: '',
+    scale: null,     // null: the first view's; {log: true}: its logarithm
+    transfers: {},   // edited ones, by field
+    light: { on: false, towards: [0, 0, 0], weights: page.picture.light_weights }, clip: null, planes: [],
+    logAxis: false,  // of the values in the editor
+    pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
+  };
+  const state = { ...blank, ...partOfRequest(page, blank, page.picture, { fov: 38.58, span: 0 }).part };
+  return { ...state, ...shownOf(page.models[0], state) };
+}
+
+/** State after a change of a part of it. */
+export function changedState(page, before, part) {
+  const state = { ...before, ...part }, { models } = page;
+  state.model = Math.max(0, Math.min(state.model, models.length - 1));
+  if (state.model !== before.model) {
+    if (!part.camera) state.camera = carriedOver(state.camera, models[before.model].box, models[state.model].box);
+    if (part.level === undefined) state.level = 0;
+  }
+  state.level = Math.max(0, Math.min(state.level, models[state.model].levels.length - 1));
+  state.pixelError = Math.max(leastError, Math.min(state.pixelError, mostError));
+  if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
+  Object.assign(state, shownOf(models[state.model], state, models[before.model].fields[state.field]?.name));
+  if ((fieldKey(state) !== fieldKey(before) || state.show !== before.show) && part.scale === undefined) state.scale = null;
+  return state;
+}
+
+const number = (low, high) => (v) => (typeof v === 'number' && v >= low && v <= high ? v : null);
+const flag = (v) => v !== 0 && v !== false;
+/** Words of the page, and how they are read; null: another value. */
+const words = {
+  embed: flag, still: flag, half: flag, logaxis: flag, subframes: number(1, 64), model: number(1, 1e6), level: number(1, 1e6),
+  planes_off: (rows) => (Array.isArray(rows) ? rows : null),  // listed, but off
+  error: number(leastError, mostError), memory: number(1, 1e5), most: number(1, 1e9), exposure: number(1 / 64, 64),
+};
+
+/** A value of JSON, without its brackets or quotes where it has none. */
+function valueOf(text) {
+  for (const json of [text, `[${text}]`]) {
+    try { return JSON.parse(json); } catch { /* the next one */ }
+  }
+  return text;
+}
+
+/**
+ * Settings of a link, or of a text with JSON of a request or of a record of a picture, whose absent members have their defaults.
+ * returns  {settings: words of the page, request, problems}
+ */
+export function readLink(text) {
+  const found = { settings: {}, request: {}, problems: [] };
+  if (/^[^#]*?\{/.test(text)) {
+    try {
+      const json = text.slice(text.indexOf('{'), text.lastIndexOf('}') + 1), given = JSON.parse(json.replaceAll("'\\''", "'")), unset = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'clip', 'clip_planes', 'camera'];
+      const request = given.picture ?? given;
+      if (typeof request !== 'object') throw request;
+      found.request = { ...Object.fromEntries(unset.map((key) => [key, null])), ...request };
+    } catch {
+      found.problems.push('the text is neither a link nor a request');
+    }
+    return found;
+  }
+  for (const [key, value] of new URLSearchParams(text.replace(/^[^#]*#/, ''))) {
+    const given = value === '' && !text.includes(`${key}=`) ? true : valueOf(value);
+    const read = Object.hasOwn(words, key) ? words[key](given) : undefined;
+    if (key.startsWith('camera.')) (found.request.camera ??= {})[key.slice(7)] = given;
+    else if (read === undefined) found.request[key] = key === 'field' ? value : value === '' && given !== true ? null : given;
+    else if (read === null) found.problems.push(`${key} ${value.slice(0, 60)}: out of range`);
+    else found.settings[key] = read;
+  }
+  return found;
+}
+
+/**
+ * Change of the state by a link; others stay.
+ * home     the view of a page that opens
+ * returns  {part, background, problems}
+ */
+export function partOfLink(page, state, { settings, request, problems }, home) {
+  const { model, level, error, half: _, logaxis, planes_off: off, ...others } = settings, part = { ...others };
+  if (model !== undefined) part.model = Math.min(model, page.models.length) - 1;
+  if (level !== undefined) part.level = level - 1;
+  if (error !== undefined) part.pixelError = error;
+  if (logaxis !== undefined) part.logAxis = logaxis;
+  if (others.embed) part.panel = false;
+  const now = part.model === undefined ? state : changedState(page, state, { model: part.model });
+  const made = partOfRequest(page, now, request, home);
+  if (off) {
+    const { planes = [] } = partOfRequest(page, now, { clip_planes: off }, home).part;
+    made.part.planes = [...(made.part.planes ?? state.planes.filter(({ on }) => on)), ...planes.map((plane) => ({ ...plane, on: false }))];
+  }
+  return { part: { ...part, ...made.part }, background: made.background, problems: [...problems, ...made.problems] };
+}
+
+/** A value as a word of a link: JSON, without brackets of numbers and quotes of words; numbers of eight digits at most. */
+function wordOf(key, value, digits = 8) {
+  const brief = (v) => (typeof v === 'number' ? Number(v.toPrecision(digits)) : v);
+  const text = value === null ? '' : typeof value === 'string' ? value
+    : Array.isArray(value) && value.every((v) => typeof v === 'number') ? value.map(brief).join(',') : JSON.stringify(value, (_, v) => brief(v));
+  return `${key}=${encodeURIComponent(text).replaceAll('%2C', ',').replaceAll('%3A', ':')}`;
+}
+
+/**
+ * Link of a view, for readLink and `vog render --request`.
+ * shown  as of requestOf; streamed: whether detail is an error in pixels
+ */
+export function writeLink(page, state, shown) {
+  const { camera, ...request } = requestOf(page, state, shown), digits = digitsOf(camera);
+  const own = [`model=${state.model + 1}`, shown.streamed ? `error=${Number(state.pixelError.toPrecision(3))}` : `level=${state.level + 1}`];
+  if (state.logAxis && state.show === 'volume') own.push('logaxis');
+  const off = state.planes.filter(({ on }) => !on).map(({ normal, offset }) => [...normal, offset]);
+  if (off.length > 0) own.push(wordOf('planes_off', off));
+  const members = Object.entries(request).map(([key, value]) => wordOf(key, value));
+  const view = Object.entries(camera).map(([key, value]) => wordOf(`camera.${key}`, value, key === 'eye' || key === 'look_at' ? digits : 8));
+  return `#${[...own, ...members, ...view].join('&')}`;
+}

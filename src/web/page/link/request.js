@@ -1,0 +1,227 @@
+// request.js: the page's state as a request of a picture (vog/request_schema.h), and requests as changes of the state. `vog render --request`
+// draws the same picture.
+import { isUsable } from '../camera.js';
+import { mostOwnPlanes } from '../picture/clip.js';
+import { reversed, walker } from '../picture/colors.js';
+import { mostOpacity, overRange } from '../picture/transfer.js';
+import { automaticRange, comparable, fieldKey, shownOf, shows } from '../quantity.js';
+import { length, sub } from '../vectors.js';
+
+/** Members of renderers and of files of pictures, which a page has not. */
+const ofFiles = ['size', 'slabs', 'renderer', 'pixel_error', 'kappa', 'aabb_sigma', 'interpolation', 'step', 'samples', 'anyhit', 'hits_per_slab',
+  'stop_transmittance', 'color_bar', 'axes', 'scale_bar', 'title', 'least_column'];
+
+const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
+const areNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);
+const areShares = (values) => values.every((v) => v >= 0 && v <= 1);
+const isAbove = (value) => Number.isFinite(value) && value > 0;
+const isDirection = (value) => areNumbers(value, 3) && length(value) > 0;
+/** Points [[value, share, ...], ...] in order of their values. */
+const arePoints = (all, count) => Array.isArray(all) && all.length > 0 &&
+  all.every((p, n) => areNumbers(p, count) && areShares(p.slice(1)) && (n === 0 || p[0] >= all[n - 1][0]));
+const near = (a, b) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b));
+const samePoints = (a, b) => a.length === b.length && a.every((p, n) => p.every((v, k) => Math.abs(v - b[n][k]) < 1e-3));
+
+/** Vertical angle of a pinhole camera from that of the shorter side, degrees; factor -1: back. */
+function vertical(fov, [width, height], factor = 1) {
+  const tall = Math.max(1, height / width) ** factor;
+  return tall === 1 ? fov : (360 / Math.PI) * Math.atan(tall * Math.tan((fov * Math.PI) / 360));
+}
+/** Width of an orthographic picture, shorter sides. */
+const across = ([width, height]) => width / Math.min(width, height);
+
+const backgrounds = { black: [0, 0, 0, 1], white: [1, 1, 1, 1], transparent: [0, 0, 0, 0] };
+
+function sizeOf(size) {
+  if (typeof size === 'string') return sizeOf(size.split('x').map(Number));
+  return areNumbers(size, 2) && size.every((side) => side >= 1) ? size : [1, 1];
+}
+
+function fieldOf({ fields }, text) {
+  if (typeof text !== 'string') return null;
+  const whole = fields.findIndex(({ name }) => name === text);
+  if (whole >= 0) return { field: whole, part: fields[whole].vector ? 'view' : '' };
+  const dot = text.lastIndexOf('.'), part = text.slice(dot + 1);
+  const field = fields.findIndex(({ name, vector }) => vector && name === text.slice(0, dot));
+  return field >= 0 && ['x', 'y', 'z', 'magnitude'].includes(part) ? { field, part } : null;
+}
+
+const isAtValues = (tf) => isObject(tf) && areNumbers(tf.domain, 2);
+const nameOf = (name) => (typeof name === 'string' && name ? name.slice(0, 60) : 'own');
+
+/** Points of `tf` over [0, 1], where they are of shares or of values; null: none. */
+function sharesOf({ name, colors, opacity: given, domain = [0, 1] }) {
+  const opacity = given ?? [];
+  if (!arePoints(colors, 4) || !areNumbers(domain, 2) || (opacity.length !== 0 && !arePoints(opacity, 2))) return null;
+  const [low, high] = domain, over = (points) => points.map(([v, ...rest]) => [(v - low) / (high - low), ...rest]);
+  return low < high ? { name: nameOf(name), colors: over(colors), opacity: over(opacity), own: true } : null;
+}
+
+/** {map, reverse} of the page's maps, to which one of unknown points is added; null: `tf` is no map. */
+function mapOf(page, tf) {
+  if (typeof tf === 'string') return page.maps.some(({ name }) => name === tf) ? { map: tf, reverse: false } : null;
+  const given = isObject(tf) ? sharesOf(tf) : null;
+  if (!given) return null;
+  for (const map of page.maps)
+    for (const reverse of [false, true])
+      if (samePoints((reverse ? reversed(map) : map).colors, given.colors) && samePoints(map.opacity ?? [], given.opacity)) return { map: map.name, reverse };
+  while (page.maps.some(({ name }) => name === given.name)) given.name += ' (own)';
+  page.maps.unshift(given);
+  return { map: given.name, reverse: false };
+}
+
+/** Transfer function of bands [[low, high or null, [r, g, b], opacity], ...]; null: they are none. As vog::band_transfer. */
+function ofBands(bands, upper) {
+  const are = Array.isArray(bands) && bands.length > 0 && bands.every((band) => Array.isArray(band) && band.length === 4 && Number.isFinite(band[0]) &&
+    (band[1] === null || band[1] > band[0]) && areNumbers(band[2], 3) && areShares([...band[2], band[3]]));
+  if (!are) return null;
+  const all = bands.map(([low, high, color, opacity]) => [low, high ?? Math.max(low, upper), color, opacity]);
+  return {
+    name: 'bands', colors: all.flatMap(([low, high, color]) => [[low, ...color], [high, ...color]]),
+    opacity: all.flatMap(([low, high, , opacity]) => [[low, 0], [low, opacity], [high, opacity], [high, 0]]),
+  };
+}
+
+/** Transfer function of a volume's field that a request states; null: the page's own. */
+function transferOf(page, request, now, wrong) {
+  const source = page.models[now.model].fields[now.field], unit = [request.unit_distance, request.tf?.unit_distance, source.unitDistance].find(isAbove);
+  let made = null;
+  if (areNumbers(request.window, 2)) {
+    const [low, high] = [-0.5, 0.5].map((side) => request.window[0] + side * request.window[1]);
+    made = { name: 'window', colors: [[low, 0, 0, 0], [high, 1, 1, 1]], opacity: [[low, 0], [high, mostOpacity]] };
+  } else if (request.bands?.length > 0) {
+    made = ofBands(request.bands, source.upper);
+    if (!made) wrong('bands', 'rows of lower, upper, [r, g, b] and opacity');
+  } else if (isAtValues(request.tf)) {
+    const { name, colors, opacity, domain } = request.tf;
+    if (arePoints(colors, 4)) made = { name: nameOf(name), colors, opacity: arePoints(opacity, 2) ? opacity : [[domain[0], 0], [domain[1], 1]] };
+    else wrong('tf', 'points in order');
+  } else if (areNumbers(request.range, 2) || request.unit_distance || request.scale) {
+    const usual = automaticRange(comparable(page, now.model), now.field), [low, high] = request.range ?? [usual.low, usual.high];
+    const log = request.scale === 'log' || (!request.range && request.scale !== 'linear' && usual.log);
+    if (near(low, usual.low) && near(high, usual.high) && log === usual.log && near(unit, usual.unit)) return null;
+    const map = page.maps.find(({ name }) => name === now.map);
+    if (low < high && (!log || low > 0)) made = overRange(now.reverse ? reversed(map) : map, low, high, 1, log);
+  }
+  if (made && Number.isFinite(request.threshold)) {
+    const [, at] = walker(made.opacity)(request.threshold);
+    made.opacity = [[request.threshold, 0], [request.threshold, at], ...made.opacity.filter(([v]) => v > request.threshold)];
+  }
+  return made && { ...made, unit };
+}
+
+/**
+ * Change of the state by the members of a request; others stay, and null stands for a member's default.
+ * home     the view of a page that opens
+ * returns  {part, background: null: stays, problems: a line for each member that the page does not take}
+ */
+export function partOfRequest(page, state, request, home) {
+  const part = {}, problems = [], model = page.models[state.model];
+  let background = null;
+  const wrong = (key, expected) => problems.push(`${key} ${JSON.stringify(request[key]).slice(0, 60)}: expected ${expected}`);
+  const taken = new Set(ofFiles);
+  /** Takes a member: `read` gives a part of the state, null for another value than is expected. */
+  const take = (key, expected, read, unset) => {
+    taken.add(key);
+    if (request[key] === undefined) return;
+    const got = request[key] === null ? unset : read(request[key]);
+    if (got) Object.assign(part, got);
+    else wrong(key, expected);
+  };
+
+  take('show', shows(model).map(([name]) => name).join(', '), (show) => (shows(model).some(([name]) => name === show) ? { show } : null), { show: 'T' });
+  take('field', model.fields.map(({ name }) => name).join(', ') || 'none', (text) => (text === '' ? { field: -1, part: '' } : fieldOf(model, text)), { field: -1, part: '' });
+  const volume = (part.show ?? state.show) === 'volume', ofValues = volume && isAtValues(request.tf);
+  take('tf', `one of ${page.maps.map(({ name }) => name).join(', ')}, or points`, (tf) => (ofValues ? {} : mapOf(page, tf)), { map: page.map, reverse: false });
+  take('extinction', 'auto or a number above 0', (value) => (value === 'auto' ? { exposure: 1 } : isAbove(value) ? { exposure: value / model.extinction } : null), { exposure: 1 });
+  take('blend', 'true or false', (fade) => (typeof fade === 'boolean' ? { fade } : null), { fade: false });
+  take('light', 'head or a direction x,y,z', (to) => (to === 'head' || isDirection(to) ? { light: { ...state.light, on: true, towards: to === 'head' ? [0, 0, 0] : to } } : null),
+       { light: { ...state.light, on: false } });
+  take('light_weights', 'four numbers', (weights) => (areNumbers(weights, 4) ? { light: { ...state.light, ...part.light, weights } } : null), {});
+  take('clip', 'x0,y0,z0,x1,y1,z1, the lower corner first', (clip) => {
+    const c = Array.isArray(clip) ? clip.flat() : null;
+    return areNumbers(c, 6) && [0, 1, 2].every((k) => c[k] < c[k + 3]) ? { clip: { lower: c.slice(0, 3), upper: c.slice(3) } } : null;
+  }, { clip: null });
+  take('clip_planes', `at most ${mostOwnPlanes} planes nx,ny,nz,d`, (rows) => {
+    const all = areNumbers(rows, 4) ? [rows] : rows;
+    const are = Array.isArray(all) && all.length <= mostOwnPlanes && all.every((row) => areNumbers(row, 4) && isDirection(row.slice(0, 3)));
+    return are ? { planes: all.map((row) => ({ normal: row.slice(0, 3), offset: row[3], on: true })) } : null;
+  }, { planes: [] });
+  take('camera', 'eye, look_at, up, and fov_degrees or orthographic_width', (given) => {
+    if (!isObject(given)) return null;
+    const size = sizeOf(request.size), { eye, look_at: at, up, fov_degrees: fov, orthographic_width: width, ...others } = given;
+    const camera = { ...home, ...Object.fromEntries(Object.entries({ eye, at, up }).filter(([, v]) => v !== undefined)) };
+    if (fov !== undefined) Object.assign(camera, { fov: vertical(fov, size, -1), span: 0 });
+    if (width !== undefined) camera.span = width / across(size);
+    const vectors = [camera.eye, camera.at, camera.up].every((v) => areNumbers(v, 3));
+    const lens = [camera.fov, camera.span ?? 0].every(Number.isFinite) && width !== 0;
+    return vectors && lens && Object.keys(others).length === 0 && isUsable(camera) ? { camera } : null;
+  }, { camera: home });
+  take('background', 'black, white, transparent or r,g,b', (color) => {
+    const c = typeof color === 'string' ? backgrounds[color] : color;
+    if (!Array.isArray(c) || (c.length !== 3 && c.length !== 4) || !areNumbers(c, c.length) || !areShares(c)) return null;
+    background = [...c, 1].slice(0, 4);
+    return {};
+  }, {});
+  take('range', 'two numbers, the first below the second', (range) => (areNumbers(range, 2) && range[0] < range[1] ? {} : null), {});
+  take('scale', 'auto, linear or log', (scale) => (['auto', 'linear', 'log'].includes(scale) ? {} : null), {});
+  take('window', 'centre and a width above 0', (window) => (areNumbers(window, 2) && window[1] > 0 ? {} : null), {});
+  take('bands', 'rows', (bands) => (Array.isArray(bands) ? {} : null), {});
+  take('threshold', 'a number', (value) => (Number.isFinite(value) ? {} : null), {});
+  take('unit_distance', 'a length above 0', (value) => (isAbove(value) ? {} : null), {});
+  for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
+
+  const stated = (...keys) => keys.some((key) => request[key] !== undefined);
+  if (volume && stated('tf', 'range', 'scale', 'window', 'bands', 'threshold', 'unit_distance')) {
+    const now = { ...state, ...part, ...shownOf(model, { ...state, ...part }) }, { [now.field]: before, ...others } = state.transfers;
+    const transfer = transferOf(page, request, now, wrong);
+    // Another map is put under an edited function by the page (recolor).
+    if (transfer) part.transfers = { ...others, [now.field]: transfer };
+    else if (before && stated('range', 'unit_distance', 'window', 'bands')) part.transfers = others;
+  } else if (!volume && stated('range', 'scale')) {
+    const { range, scale } = request, log = scale === 'log';
+    if (areNumbers(range, 2) && range[0] < range[1] && (!log || range[0] > 0)) part.scale = { low: range[0], high: range[1], log };
+    else if (!range) part.scale = log ? { log } : null;
+    else if (log) wrong('range', 'values above 0 with scale log');
+  }
+  return { part, background, problems };
+}
+
+/**
+ * Request of the shown picture.
+ * shown  {scale, size: [width, height] of the picture, background}
+ */
+export function requestOf(page, state, { scale, size, background }) {
+  const model = page.models[state.model], { show } = state, volume = show === 'volume';
+  const map = page.maps.find(({ name }) => name === state.map), { colors, opacity } = state.reverse ? reversed(map) : map;
+  const request = { show };
+  if (fieldKey(state) !== null) request.field = model.fields[state.field].name + (['', 'view'].includes(state.part) ? '' : `.${state.part}`);
+  const edited = volume ? state.transfers[state.field] : null;
+  request.tf = map.own || state.reverse ? { name: state.reverse ? `${map.name}, reversed` : map.name, colors, ...(opacity?.length && { opacity }) } : map.name;
+  if (edited) {
+    const { name, unit, ...points } = edited, values = [...points.colors, ...points.opacity].map(([v]) => v);
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    request.tf = { name, domain: [low, low < high ? high : low + 1], unit_distance: unit, colors: points.colors, opacity: points.opacity };
+  } else if (show === 'T') {
+    Object.assign(request, { extinction: model.extinction * state.exposure, blend: state.fade });
+  } else {
+    const { low, high, log, unit } = volume ? automaticRange(comparable(page, state.model), state.field) : scale;
+    Object.assign(request, { range: [low, high], scale: log ? 'log' : 'linear', ...(volume && { unit_distance: unit }) });
+  }
+  if (volume) request.light = state.light.on ? (length(state.light.towards) > 0 ? state.light.towards : 'head') : null;
+  if (volume && state.light.on) request.light_weights = state.light.weights;
+  if (state.clip || page.picture.clip) request.clip = state.clip ? [...state.clip.lower, ...state.clip.upper] : null;
+  const planes = state.planes.filter(({ on }) => on).map(({ normal, offset }) => [...normal, offset]);
+  if (planes.length > 0 || page.picture.clip_planes) request.clip_planes = planes.length > 0 ? planes : null;
+  if (background.some((v, k) => v !== backgrounds.black[k])) request.background = background;
+  const { eye, at, up, fov, span } = state.camera;
+  request.camera = { eye, look_at: at, up, ...(span ? { orthographic_width: span * across(size) } : { fov_degrees: vertical(fov, size) }) };
+  request.size = size;
+  return request;
+}
+
+/** Digits of an eye's coordinates: eight of its distance to the point looked at, however far the world's origin is. */
+export function digitsOf({ eye, look_at: at }) {
+  const farthest = Math.max(...[...eye, ...at].map(Math.abs));
+  return Math.min(17, 8 + Math.max(0, Math.floor(Math.log10(farthest / length(sub(at, eye))))));
+}
