@@ -54,7 +54,7 @@ constexpr const char* kLastModule[] = {"main.js"};
 constexpr const char* kWorkerModules[] = {"worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",
                                     "slab.frag",   "ranges.frag",  "light.vert", "light.frag",
-                                    "layers.frag", "maximum.frag", "copy.frag",  "screen.vert",
+                                    "layers.frag", "largest.frag", "copy.frag",  "screen.vert",
                                     "shade.frag"};
 
 /// Name declared by a line such as "const x = 1;" or "async function x() {".

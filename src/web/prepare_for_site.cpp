@@ -29,7 +29,7 @@ bool drop_empty(Gaussians& model) {
 
 /// Box that views of a model in parts frame.
 Box box_of_parts(const Gaussians& part, const Collective& processes) {
-    // An empty box has its lower corner at +infinity and its upper one at -infinity, which change no maximum.
+    // An empty box has its lower corner at +infinity and its upper one at -infinity, which change no extreme of others.
     const Box own = view_box(part);
     double ends[6] = {-own.lower.x, -own.lower.y, -own.lower.z,
                       own.upper.x,  own.upper.y,  own.upper.z};

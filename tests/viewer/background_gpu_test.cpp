@@ -28,34 +28,33 @@ TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
     if (gpus.empty()) GTEST_SKIP() << "needs a GPU, or a build with VOG_EMULATED_GPU";
     BackgroundRenderer background;
     RenderRequest request;
-    request.model = warm_gaussians();
-    request.camera = orbit_view(view_box(*request.model), {});
-    request.width = 40, request.height = 30;
-    using Kind = Drawn::Kind;
-    const std::pair<Kind, FieldChoice> pictures[] = {{Kind::depth, {}},
-                                                     {Kind::field, {"heat", FieldPart::value}},
-                                                     {Kind::field, {"wind", FieldPart::view}},
-                                                     {Kind::field, {"wind", FieldPart::y}},
-                                                     {Kind::field, {"wind", FieldPart::magnitude}},
-                                                     {Kind::light, {"heat", FieldPart::value}},
-                                                     {Kind::maximum, {"heat", FieldPart::value}}};
-    for (const auto& [kind, field] : pictures)
+    PictureKey& what = request.what;
+    what.model = warm_gaussians();
+    const std::pair<Show, FieldChoice> pictures[] = {{Show::depth, {}},
+                                                     {Show::mean, {"heat", FieldPart::value}},
+                                                     {Show::mean, {"wind", FieldPart::view}},
+                                                     {Show::mean, {"wind", FieldPart::y}},
+                                                     {Show::mean, {"wind", FieldPart::magnitude}},
+                                                     {Show::volume, {"heat", FieldPart::value}},
+                                                     {Show::maximum, {"heat", FieldPart::value}}};
+    for (const auto& [show, field] : pictures)
         for (const bool clipped : {false, true})
             for (const int rays : {1, 2}) {
                 // Means over rays are the same code for all kinds.
-                if (rays > 1 && (kind == Kind::light || field.part == FieldPart::y)) continue;
-                SCOPED_TRACE(std::to_string(int(kind)) + (clipped ? " clipped " : " ") +
+                if (rays > 1 && (show == Show::volume || field.part == FieldPart::y)) continue;
+                SCOPED_TRACE(std::string(word_of(show)) + (clipped ? " clipped " : " ") +
                              std::to_string(rays));
                 request.rays = rays;
-                request.drawn = {};
-                request.drawn.kind = kind;
-                request.drawn.field = field;
-                request.drawn.slabs = 16;
-                if (kind == Kind::light)
-                    request.drawn.transfer =
-                        std::make_shared<ValueTransfer>(window_transfer(5, 6, 0.5));
-                if (clipped) request.drawn.look.clip.planes.push_back({{1, 0, 0}, 0});
-                request.renderer = WindowRenderer::splat;
+                PictureRequest made;
+                made.show = show;
+                made.camera = orbit_view(view_box(*what.model), {});
+                made.width = 40, made.height = 30;
+                made.slabs = 16;
+                made.options.pixel_error = 0;
+                if (clipped) made.options.clip.planes.push_back({{1, 0, 0}, 0});
+                const ValueTransfer transfer = window_transfer(5, 6, 0.5);
+                what.picture = sums_of(made, field, &transfer);
+                what.renderer = WindowRenderer::splat;
                 const RenderedPicture expected = picture_of(background, request);
                 ASSERT_EQ(expected.error, "");
                 double norm2 = 0;
@@ -64,11 +63,11 @@ TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
                 ASSERT_GT(norm2, 0);
                 for (const EmulatedGpu& gpu : gpus) {
                     gpu.prepare();
-                    request.renderer = gpu.renderer == Renderer::cuda ? WindowRenderer::cuda
-                                                                      : WindowRenderer::optix;
+                    what.renderer = gpu.renderer == Renderer::cuda ? WindowRenderer::cuda
+                                                                   : WindowRenderer::optix;
                     const RenderedPicture shown = picture_of(background, request);
                     ASSERT_EQ(shown.error, "") << gpu.name;
-                    EXPECT_EQ(shown.drawn, request.model->size());
+                    EXPECT_EQ(shown.drawn, what.model->size());
                     ASSERT_EQ(shown.sums.width, 40);
                     ASSERT_EQ(shown.sums.value.size(), expected.sums.value.size());
                     double error2 = 0;

@@ -1,5 +1,6 @@
 // gpu_upload_test.cpp: Pictures of GPU renderers in the window, through a buffer that CUDA and OpenGL share, and through host
 // memory: the same bits.
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -24,8 +25,10 @@ class gpu_upload : public headless {
             GTEST_SKIP() << "needs a GPU, or a build with VOG_EMULATED_GPU";
         share_gl(true, true);
         key_.model = warm_gaussians();
-        key_.camera = orbit_view(view_box(*key_.model), {});
-        key_.size = {40, 30};
+        PictureRequest request;
+        request.camera = orbit_view(view_box(*key_.model), {});
+        request.width = 40, request.height = 30;
+        key_.picture = sums_of(request, {});
     }
     void TearDown() override { share_gl(true, true); }
 
@@ -42,22 +45,21 @@ class gpu_upload : public headless {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
     }
-    static std::vector<Drawn> all_drawn() {
-        using Kind = Drawn::Kind;
-        std::vector<Drawn> all;
-        const auto add = [&](Kind kind, const FieldChoice& field, bool clipped) {
-            Drawn& drawn = all.emplace_back();
-            drawn.kind = kind, drawn.field = field, drawn.slabs = 8;
-            if (kind == Kind::light)
-                drawn.transfer = std::make_shared<ValueTransfer>(window_transfer(5, 6, 0.5));
-            if (clipped) drawn.look.clip.planes.push_back({{1, 0, 0}, 0});
+    std::vector<ResolvedPicture> pictures() const {
+        std::vector<ResolvedPicture> all;
+        const ValueTransfer transfer = window_transfer(5, 6, 0.5);
+        const auto add = [&](Show show, const FieldChoice& field, bool clipped) {
+            PictureRequest request = key_.picture.request;
+            request.show = show, request.slabs = 8;
+            if (clipped) request.options.clip.planes.push_back({{1, 0, 0}, 0});
+            all.push_back(sums_of(request, field, &transfer));
         };
-        add(Kind::depth, {}, false);
-        add(Kind::light, {"heat", FieldPart::value}, false);
-        add(Kind::depth, {}, true);
-        add(Kind::field, {"wind", FieldPart::view}, false);
-        add(Kind::field, {"wind", FieldPart::magnitude}, true);
-        add(Kind::maximum, {"heat", FieldPart::value}, false);
+        add(Show::depth, {}, false);
+        add(Show::volume, {"heat", FieldPart::value}, false);
+        add(Show::depth, {}, true);
+        add(Show::mean, {"wind", FieldPart::view}, false);
+        add(Show::mean, {"wind", FieldPart::magnitude}, true);
+        add(Show::maximum, {"heat", FieldPart::value}, false);
         return all;
     }
 
@@ -78,10 +80,12 @@ TEST_F(gpu_upload, shared_pictures_are_the_copied_ones_bit_for_bit) {
         gpu.prepare();
         key_.renderer =
             gpu.renderer == Renderer::cuda ? WindowRenderer::cuda : WindowRenderer::optix;
-        for (const Drawn& drawn : all_drawn()) {
+        for (const ResolvedPicture& drawn : pictures()) {
             SCOPED_TRACE(gpu.name + " " + std::to_string(picture));
-            key_.drawn = drawn;
-            key_.size = std::vector<PixelSize>{{40, 30}, {57, 23}, {16, 16}}[picture % 3];
+            key_.picture = drawn;
+            const PixelSize size =
+                std::vector<PixelSize>{{40, 30}, {57, 23}, {16, 16}}[picture % 3];
+            key_.picture.request.width = size.width, key_.picture.request.height = size.height;
             const int subframes = picture++ % 2 ? 1 : 4;
             EXPECT_EQ(complete(shared, key_, subframes, sharing), "");
             EXPECT_EQ(complete(copied, key_, subframes, copying), "");
@@ -89,9 +93,9 @@ TEST_F(gpu_upload, shared_pictures_are_the_copied_ones_bit_for_bit) {
             EXPECT_STREQ(copied.way(), "copied");
             EXPECT_EQ(shared.subframes(), subframes);
             const SumImage here = shared.read(), expected = copied.read();
-            ASSERT_EQ(here.width, key_.size.width);
-            ASSERT_EQ(here.channels, drawn.channels());
-            ASSERT_GT(largest_column(expected), 0);
+            ASSERT_EQ(here.width, size.width);
+            ASSERT_EQ(here.channels, channels_of(drawn));
+            ASSERT_GT(std::ranges::max(expected.value), 0);
             // Sums of slabs by OptiX are rounded in the order of traversal.
             ASSERT_EQ(here.value, expected.value);
         }
@@ -107,7 +111,7 @@ TEST_F(gpu_upload, a_moving_camera_shows_each_picture_whole) {
     ProgressivePicture shared;
     key_.renderer = WindowRenderer::cuda;
     for (int n = 0; n < 30; ++n) {
-        key_.camera = orbited(key_.camera, 0.1, 0.02);
+        key_.picture.request.camera = orbited(key_.picture.camera(), 0.1, 0.02);
         shared.update(key_, 1, sharing);
         std::this_thread::sleep_for(std::chrono::milliseconds(n % 7));
     }
@@ -133,28 +137,29 @@ TEST_F(gpu_upload, a_buffer_that_cannot_be_shared_is_reported_once_and_pictures_
     EXPECT_EQ(complete(other, key_, 4, gl), "");
     EXPECT_STREQ(other.way(), "copied");
     EXPECT_EQ(picture.read().value, other.read().value);
-    EXPECT_GT(largest_column(other.read()), 0);
+    EXPECT_GT(std::ranges::max(other.read().value), 0);
 }
 
 TEST_F(gpu_upload, sums_in_gpu_memory_are_the_pictures_of_the_renderers) {
     const Gaussians& model = *key_.model;
+    const Camera& camera = key_.picture.camera();
     GpuSums sums;
     CudaSplat cuda(model);
-    cuda.render(key_.camera, {40, 30}, sums);
-    EXPECT_EQ(sums.fetch(), cuda.render(key_.camera, 40, 30).depth);
+    cuda.render(camera, {40, 30}, sums);
+    EXPECT_EQ(sums.fetch(), cuda.render(camera, 40, 30).depth);
     OptixModel optix(model);
-    optix.render(key_.camera, {20, 10, 2}, sums);
-    EXPECT_EQ(sums.fetch(), optix.render(key_.camera, 20, 10, {}, nullptr, 2).depth);
+    optix.render(camera, {20, 10, 2}, sums);
+    EXPECT_EQ(sums.fetch(), optix.render(camera, 20, 10, {}, nullptr, 2).depth);
     EXPECT_EQ(sums.width(), 20);
     // Without Gaussians nothing is left of the picture before.
-    CudaSplat(Gaussians{}).render(key_.camera, {40, 30}, sums);
+    CudaSplat(Gaussians{}).render(camera, {40, 30}, sums);
     EXPECT_EQ(sums.fetch(), std::vector<float>(1200));
-    OptixModel(Gaussians{}).render(key_.camera, {4, 3}, sums);
+    OptixModel(Gaussians{}).render(camera, {4, 3}, sums);
     EXPECT_EQ(sums.fetch(), std::vector<float>(12));
     for (const SumsSize& size : {SumsSize{4, 3, 0}, {4, 3, 65}, {0, 3, 1}}) {
-        EXPECT_THROW(cuda.render(key_.camera, size, sums), Error);
-        EXPECT_THROW(optix.render(key_.camera, size, sums), Error);
-        EXPECT_THROW(GpuPictures(Renderer::cuda, model).depth(key_.camera, size, sums), Error);
+        EXPECT_THROW(cuda.render(camera, size, sums), Error);
+        EXPECT_THROW(optix.render(camera, size, sums), Error);
+        EXPECT_THROW(GpuPictures(Renderer::cuda, model).depth(camera, size, sums), Error);
     }
 }
 

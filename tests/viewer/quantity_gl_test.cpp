@@ -69,22 +69,33 @@ std::vector<View> views(const Gaussians& model) {
 
 constexpr int kWidth = 180, kHeight = 140;
 
+/// What the window draws of a field.
+ResolvedPicture picture_of(Show show, const std::string& field, const Camera& camera,
+                           const VolumeLook& look = {}, std::optional<int> slabs = {},
+                           const ValueTransfer* transfer = nullptr,
+                           FieldPart part = FieldPart::value) {
+    PictureRequest request;
+    request.show = show, request.camera = camera;
+    request.width = kWidth, request.height = kHeight;
+    request.look = look, request.options.clip = look.clip;
+    request.slabs = slabs;
+    return sums_of(request, {field, part}, transfer);
+}
+
 /// Sums as the window draws them.
-SumImage drawn(const Gaussians& model, const Drawn& what, const Camera& camera) {
+SumImage drawn(const Gaussians& model, const ResolvedPicture& picture) {
     const GlModel on_device(model);
     const GlTarget target(GL_RGBA32F, kWidth, kHeight);
     target.clear();
-    if (what.kind == Drawn::Kind::light || what.kind == Drawn::Kind::maximum) {
-        const GlField field(on_device, model, what.field);
-        GlSlabs().add({&on_device, &field, model.fields.find_scalar(what.field.field),
-                       what.transfer, &what.look, what.slabs},
-                      camera, {}, target);
-    } else if (what.kind == Drawn::Kind::field) {
-        const GlField field(on_device, model, what.field);
-        GlFieldSums().add(on_device, &field, camera, {}, what.look.clip, target);
-    } else {
-        GlFieldSums().add(on_device, nullptr, camera, {}, what.look.clip, target);
-    }
+    const Show show = picture.request.show;
+    std::optional<GlField> field;
+    if (!is_depth(show)) field.emplace(on_device, model, picture.field);
+    if (is_by_value(show))
+        GlSlabs().add({&on_device, &*field, model.fields.find_scalar(picture.field.field), picture},
+                      picture.camera(), {}, target);
+    else
+        GlFieldSums().add(on_device, field ? &*field : nullptr, picture.camera(), {},
+                          picture.request.options.clip, target);
     return {kWidth, kHeight, 4, target.read_floats()};
 }
 
@@ -107,18 +118,22 @@ void expect_same(const Image& expected, const Image& image) {
 
 void expect_same_map(const Gaussians& model, const FieldChoice& choice, const Camera& camera) {
     const FieldMaps maps = render_field_splat(model, choice, camera, kWidth, kHeight);
-    const SumImage sums = drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, camera);
-    const FieldUnit unit = unit_of(model.fields, choice.field);
+    const ResolvedPicture picture =
+        picture_of(Show::mean, choice.field, camera, {}, {}, nullptr, choice.part);
+    const Sums numbers =
+        numbers_of(drawn(model, picture), picture, unit_of(model.fields, choice.field));
+    const FieldMaps shown{kWidth, kHeight, numbers.column, numbers.mean, numbers.deviation};
     const auto& map = named_transfer_function("viridis");
-    const bool rms = choice.part == FieldPart::magnitude;
     for (const Show show : {Show::mean, Show::deviation}) {
-        if (rms && show == Show::mean) continue;  // shown as the deviation from 0
+        // A root mean square has no deviation in sums.
+        if (choice.part == FieldPart::magnitude && show == Show::deviation) continue;
         SCOPED_TRACE(word_of(show));
-        const std::vector<float>& values = show == Show::mean || rms ? maps.mean : maps.deviation;
+        const auto& values = show == Show::mean ? maps.mean : maps.deviation;
         const ValueMap expected = visible_values(maps, values, kLeastColumn);
         const ColorScale scale = fitted_scale(values_for_scale(maps, values), ScaleFit::linear);
+        const auto& numbers_shown = show == Show::mean ? shown.mean : shown.deviation;
         expect_same(shade_map(expected, map, scale),
-                    shade_map(shown_map(sums, show, unit), map, scale));
+                    shade_map(visible_values(shown, numbers_shown, kLeastColumn), map, scale));
     }
 }
 
@@ -172,20 +187,23 @@ TEST_F(quantity_gl, maxima_are_the_cpus) {
             options.look = look;
             const ValueMap cpu =
                 render_maximum_splat(other, field, view.camera, kWidth, kHeight, options);
-            const SumImage sums =
-                drawn(other, {Drawn::Kind::maximum, {field, FieldPart::value}, look, slabs, {}},
-                      view.camera);
+            const ResolvedPicture picture =
+                picture_of(Show::maximum, field, view.camera, look, slabs);
+            const Sums numbers = numbers_of(drawn(other, picture), picture, unit);
             const ColorScale scale = fitted_scale(cpu.value, ScaleFit::linear);
             expect_same(shade_map(cpu, map, scale),
-                        shade_map(shown_map(sums, Show::mean, unit), map, scale));
+                        shade_map({kWidth, kHeight, numbers.maximum}, map, scale));
         }
 }
 
 TEST_F(quantity_gl, shading_of_sums_is_shade_map) {
     const Gaussians model = cloud_with_fields();
     const Camera camera = paper_view(view_box(model));
-    const FieldChoice choice{"density", FieldPart::value};
-    const SumImage sums = drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, camera);
+    const ResolvedPicture picture = picture_of(Show::mean, "density", camera);
+    const SumImage sums = drawn(model, picture);
+    const FieldUnit unit = unit_of(model.fields, "density");
+    const Sums numbers = numbers_of(sums, picture, unit);
+    const FieldMaps maps{kWidth, kHeight, numbers.column, numbers.mean, numbers.deviation};
     Look look;
     load_map(look, "viridis");
     for (const bool log : {false, true})
@@ -193,24 +211,23 @@ TEST_F(quantity_gl, shading_of_sums_is_shade_map) {
             SCOPED_TRACE(word_of(show));
             ShadeView view;
             view.show = show;
-            view.unit = unit_of(model.fields, "density");
-            view.scale = fitted_scale_of(sums, show, view.unit, log);
-            view.least_column = static_cast<float>(kLeastColumn) * largest_column(sums);
+            view.unit = unit;
+            view.scale = fitted_scale_of(numbers, show, log);
+            view.least_column = static_cast<float>(kLeastColumn) * largest_column(numbers);
             view.checker = false;
-            expect_same(shade_map(shown_map(sums, show, view.unit), map_function(look), view.scale),
-                        shaded(sums, view, look));
+            const ValueMap shown = colored_map(maps, show, ScaleFit::linear, view.scale).shown;
+            expect_same(shade_map(shown, map_function(look), view.scale), shaded(sums, view, look));
         }
 }
 
 TEST_F(quantity_gl, differences_are_of_shares_of_the_scale) {
     const Gaussians model = cloud_with_fields();
-    const FieldChoice choice{"density", FieldPart::value};
-    const SumImage sums =
-        drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, paper_view(view_box(model)));
+    const ResolvedPicture what = picture_of(Show::mean, "density", paper_view(view_box(model)));
+    const SumImage sums = drawn(model, what);
     ShadeView view;
     view.show = Show::mean;
     view.unit = unit_of(model.fields, "density");
-    view.scale = fitted_scale_of(sums, Show::mean, view.unit, false);
+    view.scale = fitted_scale_of(numbers_of(sums, what, view.unit), Show::mean, false);
     view.difference = true;
     view.checker = false;
     // An image less itself is grey wherever it shows something.
@@ -253,9 +270,8 @@ TEST_F(quantity_gl, clipped_depth_is_the_cpus) {
         set_extinction(expected, auto_extinction(expected));
         VolumeLook look;
         look.clip = clip;
-        const SumImage sums = drawn(model, {Drawn::Kind::depth, {}, look, 32, {}}, view.camera);
-        DepthImage depth(kWidth, kHeight);
-        for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] = sums.value[4 * n];
+        const ResolvedPicture picture = picture_of(Show::depth, "", view.camera, look);
+        const DepthImage depth = depth_of(numbers_of(drawn(model, picture), picture, {}));
         const DepthDifference difference = compare(expected, depth);
         EXPECT_GE(difference.grey.psnr_db, 55);
         EXPECT_LE(difference.grey.largest, 2);
@@ -285,13 +301,10 @@ TEST_F(quantity_gl, volumes_by_value_are_the_cpus) {
             options.look = look;
             const VolumeImage cpu = render_volume_splat(model, "density", *transfer, view.camera,
                                                         kWidth, kHeight, options);
-            const SumImage sums = drawn(
-                model, {Drawn::Kind::light, {"density", FieldPart::value}, look, 32, transfer},
-                view.camera);
-            VolumeImage gl{kWidth, kHeight, {}};
-            for (std::size_t n = 0; n < sums.value.size(); n += 4)
-                gl.pixel.push_back(
-                    {sums.value[n], sums.value[n + 1], sums.value[n + 2], sums.value[n + 3]});
+            const ResolvedPicture picture =
+                picture_of(Show::volume, "density", view.camera, look, 32, transfer.get());
+            const VolumeImage gl{kWidth, kHeight,
+                                 numbers_of(drawn(model, picture), picture, {}).light};
             expect_same(over(cpu, {0, 0, 0, 1}), over(gl, {0, 0, 0, 1}));
         }
 }

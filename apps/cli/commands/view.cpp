@@ -54,8 +54,7 @@ void set_quantity(viewer::ViewerOptions& options, const PictureRequest& request)
     const HtmlQuantity stated = stated_quantity(request);
     options.quantity.show = show_named(stated.show);
     options.quantity.look = stated.look;
-    options.quantity.slabs = stated.slabs;
-    options.quantity.maximum_slabs = stated.maximum_slabs;
+    options.quantity.slabs = request.slabs;
     options.field = stated.field;
     options.color_scale = stated.scale;
     options.logarithmic = stated.log;

@@ -19,7 +19,7 @@ constexpr int kLayers = 4, kMeanLayers = 8;       // slabs a pass: slab.frag
 constexpr int kMostPixels = 1 << 20;  // in the images of slabs; larger pictures are drawn in strips
 
 int drawn_slabs(const GlVolume& volume) {
-    return volume.transfer ? (volume.slabs + kLayers - 1) / kLayers * kLayers : volume.slabs;
+    return volume.transfer() ? (volume.slabs() + kLayers - 1) / kLayers * kLayers : volume.slabs();
 }
 int tiles(int pixels, int tile) { return (pixels + tile - 1) / tile; }
 
@@ -32,12 +32,12 @@ GlSlabs::GlSlabs()
       layer_program_("screen.vert", {"layers.frag"}),
       copy_program_("screen.vert", {"copy.frag"}),
       mean_program_("splat.vert", {"chord.glsl", "slab.frag"}, "MEANS"),
-      maximum_program_("screen.vert", {"maximum.frag"}),
+      largest_program_("screen.vert", {"largest.frag"}),
       copy_means_program_("screen.vert", {"copy.frag"}, "MEANS"),
       no_vertices_(make_vertex_array()),
       table_(make_texture()) {}
 
-void GlSlabs::require_targets(int width, int height, std::size_t gaussians, bool maximum) {
+void GlSlabs::require_targets(int width, int height, std::size_t gaussians, bool means) {
     const auto require = [](std::optional<GlTarget>& target, GLenum format, int w, int h,
                             std::size_t images) {
         if (!target || target->width() != w || target->height() != h)
@@ -46,7 +46,7 @@ void GlSlabs::require_targets(int width, int height, std::size_t gaussians, bool
     const int rows = std::clamp(kMostPixels / width, 1, height);
     require(layers_, GL_RGBA32F, width, rows, kLayers);  // images of four numbers
     require(strip_, GL_RGBA32F, width, rows, 1);
-    if (maximum) require(densest_, GL_R32F, width, rows, 1);
+    if (means) require(densest_, GL_R32F, width, rows, 1);
     require(ranges_, GL_RG32F, tiles(width, kTileWidth), tiles(height, kTileHeight), 1);
     const int light_rows = tiles(static_cast<int>(gaussians), kLightWidth);
     if (!light_ || light_->height() != light_rows) lit_field_ = 0;
@@ -54,25 +54,28 @@ void GlSlabs::require_targets(int width, int height, std::size_t gaussians, bool
 }
 
 void GlSlabs::fit(const GlVolume& volume) {
-    if (volume.field->id() == lit_field_ && volume.transfer == lit_transfer_) return;
+    const ValueTransfer* transfer = volume.transfer();
+    if (volume.field->id() == lit_field_ &&
+        (transfer ? lit_transfer_ == *transfer : !lit_transfer_))
+        return;
     light_->bind();
     glDisable(GL_BLEND);
     glDisable(GL_SCISSOR_TEST);
     light_program_.use();
-    light_program_.set("planes", volume.transfer ? 0 : 1);
+    light_program_.set("planes", volume.transfer() ? 0 : 1);
     light_program_.set("image_px", static_cast<float>(light_->width()),
                        static_cast<float>(light_->height()));
-    if (volume.transfer) fit_light(volume);
+    if (volume.transfer()) fit_light(volume);
     glBindVertexArray(volume.field->points());
     glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(volume.model->size()));
     glBindVertexArray(0);
     lit_field_ = volume.field->id();
-    lit_transfer_ = volume.transfer;
+    lit_transfer_ = transfer ? std::optional(*transfer) : std::nullopt;
 }
 
 void GlSlabs::fit_light(const GlVolume& volume) {
     const ScalarField& values = *volume.values;
-    const by_value::ExpectedLight expected(*volume.transfer, values.lower, values.upper,
+    const by_value::ExpectedLight expected(*volume.transfer(), values.lower, values.upper,
                                            values.is_measure);
     const by_value::LightTable table = expected.table();
     glBindTexture(GL_TEXTURE_2D, table_);
@@ -108,12 +111,12 @@ void GlSlabs::draw_ranges(const GlVolume& volume, const CameraFrame& frame, Jitt
 
 void GlSlabs::draw_layers(const GlVolume& volume, const CameraFrame& frame, Jitter jitter,
                           int first, int slab) {
-    const GlProgram& program = volume.transfer ? slab_program_ : mean_program_;
-    const VolumeLook& look = *volume.look;
+    const GlProgram& program = volume.transfer() ? slab_program_ : mean_program_;
+    const VolumeLook& look = volume.picture.request.look;
     const auto f = [](double v) { return static_cast<float>(v); };
     layers_->clear();
     glViewport(0, -first, frame.width, frame.height);
-    set_view(program, *volume.model, frame, jitter, look.clip);
+    set_view(program, *volume.model, frame, jitter, volume.picture.request.options.clip);
     program.sample({{"ranges", ranges_->texture()},
                     {"light_0", light_->texture(0)},
                     {"light_1", light_->texture(1)},
@@ -121,10 +124,10 @@ void GlSlabs::draw_layers(const GlVolume& volume, const CameraFrame& frame, Jitt
     program.set("tile_px", float{kTileWidth}, float{kTileHeight});
     program.set("slabs", f(drawn_slabs(volume)));
     program.set("first_slab", static_cast<float>(slab));
-    program.set("layers", f(volume.transfer ? kLayers : kMeanLayers));
+    program.set("layers", f(volume.transfer() ? kLayers : kMeanLayers));
     program.set("first_row", static_cast<float>(first));
     program.set("per_extinction", 1.0f);
-    if (look.light && volume.transfer)
+    if (look.light && volume.transfer())
         program.set("lighting", f(look.ambient), f(look.diffuse), f(look.specular), f(look.power));
     else
         program.set("lighting", 0, 0, 0, 0);
@@ -135,17 +138,17 @@ void GlSlabs::draw_layers(const GlVolume& volume, const CameraFrame& frame, Jitt
     draw_gaussians(volume.field->vertex_array(), volume.model->size());
 }
 
-void GlSlabs::draw_maximum(const GlVolume& volume, const CameraFrame& frame, Jitter jitter,
+void GlSlabs::draw_largest(const GlVolume& volume, const CameraFrame& frame, Jitter jitter,
                            int first) {
     constexpr std::array<float, 4> kNoMean{0, -60000, 0, 0};
     const auto f = [](double v) { return static_cast<float>(v); };
-    const GlProgram& program = maximum_program_;
+    const GlProgram& program = largest_program_;
     densest_->clear();
     strip_->bind();
     glClearBufferfv(GL_COLOR, 0, kNoMean.data());
     // The largest density of each pixel's slabs, then the largest of the means that count.
     for (const bool means : {false, true})
-        for (int slab = 0; slab < volume.slabs; slab += kMeanLayers) {
+        for (int slab = 0; slab < volume.slabs(); slab += kMeanLayers) {
             draw_layers(volume, frame, jitter, first, slab);
             (means ? strip_ : densest_)->bind();
             program.use();
@@ -161,7 +164,7 @@ void GlSlabs::draw_maximum(const GlVolume& volume, const CameraFrame& frame, Jit
             const double most = by_value::most_share_per_density(*volume.values);
             program.set("most", std::isfinite(most) ? f(2 * most / volume.model->unit()) : 0.0f);
             program.set("tile_px", float{kTileWidth}, float{kTileHeight});
-            program.set("slabs", f(volume.slabs));
+            program.set("slabs", f(volume.slabs()));
             program.set("first_row", static_cast<float>(first));
             glEnable(GL_BLEND);
             glBlendEquation(GL_MAX);
@@ -201,17 +204,17 @@ void GlSlabs::add(const GlVolume& volume, const Camera& camera, Jitter jitter,
                   const GlTarget& target) {
     if (volume.model->size() == 0) return;
     const CameraFrame frame = frame_of(camera, target.width(), target.height());
-    require_targets(frame.width, frame.height, volume.model->size(), !volume.transfer);
+    require_targets(frame.width, frame.height, volume.model->size(), !volume.transfer());
     fit(volume);
     draw_ranges(volume, frame, jitter);
     for (int first = 0; first < frame.height; first += strip_->height()) {
-        if (volume.transfer)
+        if (volume.transfer())
             draw_strip(volume, frame, jitter, first);
         else
-            draw_maximum(volume, frame, jitter, first);
+            draw_largest(volume, frame, jitter, first);
         target.bind();
         glViewport(0, first, frame.width, std::min(strip_->height(), frame.height - first));
-        const GlProgram& copy = volume.transfer ? copy_program_ : copy_means_program_;
+        const GlProgram& copy = volume.transfer() ? copy_program_ : copy_means_program_;
         copy.use();
         copy.sample({{"image", strip_->texture()}});
         copy.set("first_row", static_cast<float>(first));

@@ -102,30 +102,27 @@ std::optional<OpaqueValue> first_opaque_value(const Gaussians& gaussians, const 
     return std::nullopt;
 }
 
-std::string probe_text(const Quantity& quantity, const Fields& fields, std::span<const float> sums,
-                       float most, double extinction) {
-    const double column = double{sums[0]};
+std::string probe_text(const Quantity& quantity, const Fields& fields, const Sums& numbers,
+                       std::size_t pixel, float most, double extinction) {
+    const double column = numbers.column.empty() ? 1 : double{numbers.column[pixel]};
     if (quantity.show == Show::depth)
         return fmt::format("T {:.4g}, V {:.4g}", column * extinction,
                            -std::expm1(-column * extinction));
     if (quantity.show == Show::column) return fmt::format("column density {:.4g}", column);
-    if (sums.size() < 4 || !(column > kLeastColumn * double{most})) return "";
-    const FieldUnit unit = unit_of(fields, quantity.field.field);
-    const double mean = double{sums[1]} / column;
-    const double value = unit.reference + unit.unit * mean;
-    const double deviation =
-        unit.unit * std::sqrt(std::max(double{sums[2]} / column - mean * mean, 0.0));
+    const bool largest = is_by_value(quantity.show);
+    const std::vector<float>& shown = largest ? numbers.maximum : numbers.mean;
+    if (shown.empty() || !std::isfinite(shown[pixel]) || !(column > kLeastColumn * double{most}))
+        return "";
     const ScalarField* scalar = fields.find_scalar(quantity.field.field);
     const VectorField* vector = fields.find_vector(quantity.field.field);
     const std::string name = scalar ? scalar->unit : vector ? vector->unit : "";
     const std::string label = field_label(quantity.field), of = name.empty() ? "" : " " + name;
-    if (quantity.show == Show::maximum)
-        return fmt::format("maximum of {} {:.4g}{}", label, value, of);
-    // Of a root mean square the deviation from 0.
+    if (largest)
+        return fmt::format("{} {:.4g}{}", quantity_label(quantity.show, label), shown[pixel], of);
     if (quantity.field.part == FieldPart::magnitude)
-        return fmt::format("{} {:.4g}{}, column density {:.4g}", label, deviation, of, column);
-    return fmt::format("{}: mean {:.4g}, deviation {:.4g}{}, column density {:.4g}", label, value,
-                       deviation, of, column);
+        return fmt::format("{} {:.4g}{}, column density {:.4g}", label, shown[pixel], of, column);
+    return fmt::format("{}: mean {:.4g}, deviation {:.4g}{}, column density {:.4g}", label,
+                       shown[pixel], numbers.deviation[pixel], of, column);
 }
 
 std::string opaque_text(const Quantity& quantity, const Fields& fields,

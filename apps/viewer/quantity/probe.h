@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 
 #include "quantity/quantity.h"
@@ -25,11 +24,11 @@ std::optional<OpaqueValue> first_opaque_value(const Gaussians& gaussians, const 
                                               Vec3d origin, Vec3d direction);
 
 /// "T 1.23, V 0.708", "column 0.31", "mean of temperature 1240 K, column 0.31"; empty: nothing is there.
-/// sums        of the pixel
+/// numbers     of the picture, and the place of the pixel in them
 /// most        largest column of the picture
 /// extinction  factor on density in T
-std::string probe_text(const Quantity& quantity, const Fields& fields, std::span<const float> sums,
-                       float most, double extinction);
+std::string probe_text(const Quantity& quantity, const Fields& fields, const Sums& numbers,
+                       std::size_t pixel, float most, double extinction);
 /// "density 0.42 at distance 12.3", or that the ray is clear.
 std::string opaque_text(const Quantity& quantity, const Fields& fields,
                         const std::optional<OpaqueValue>& found);

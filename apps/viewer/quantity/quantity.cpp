@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "vog/error.h"
@@ -16,16 +17,24 @@ namespace vog::viewer {
 
 namespace {
 
+/// By the order of vog::Show.
 constexpr const char* kNames[] = {"visibility",        "column density",   "mean on rays",
                                   "deviation on rays", "volume, by value", "maximum on rays"};
+
+bool same(const FieldChoice& a, const FieldChoice& b) {
+    return a.field == b.field && a.part == b.part;
+}
+/// Whether sums are of a largest value.
+bool is_largest(const ResolvedPicture& picture) {
+    return is_by_value(picture.request.show) && picture.request.show != Show::volume;
+}
 
 }  // namespace
 
 const char* name_of(Show show) { return kNames[static_cast<std::size_t>(show)]; }
-bool of_field(Show show) { return show >= Show::mean; }
 
 Show shaded_as(const Quantity& quantity) {
-    if (quantity.show == Show::maximum) return Show::mean;
+    if (is_by_value(quantity.show) && quantity.show != Show::volume) return Show::mean;
     return quantity.show == Show::mean && quantity.field.part == FieldPart::magnitude
                ? Show::deviation
                : quantity.show;
@@ -53,10 +62,7 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
         return all.front();
     }
     const FieldChoice choice = field_choice(text, fields);
-    const auto same = [&](const FieldChoice& other) {
-        return other.field == choice.field && other.part == choice.part;
-    };
-    if (std::ranges::none_of(all, same))
+    if (std::ranges::none_of(all, [&](const FieldChoice& one) { return same(one, choice); }))
         throw Error(
             fmt::format("{} is not of {}, expected {}", name_of(show), field_label(choice),
                         is_by_value(show) ? "a scalar field" : "a scalar field or one component"));
@@ -77,13 +83,6 @@ std::string label_of(const Quantity& quantity, const Fields& fields) {
                           quantity.show == Show::column ? "" : unit);
 }
 
-DepthImage depth_of(const SumImage& sums) {
-    DepthImage depth(sums.width, sums.height);
-    const auto channels = static_cast<std::size_t>(sums.channels);
-    for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] = sums.value[n * channels];
-    return depth;
-}
-
 SumImage shrunk(SumImage image, int factor) {
     if (factor == 1) return image;
     SumImage mean{image.width / factor, image.height / factor, image.channels, {}};
@@ -101,23 +100,38 @@ SumImage shrunk(SumImage image, int factor) {
     return mean;
 }
 
-bool operator==(const Drawn& a, const Drawn& b) {
-    if (a.kind != b.kind || !(a.look.clip == b.look.clip)) return false;
-    if (a.kind == Drawn::Kind::depth) return true;
-    if (a.field.field != b.field.field || a.field.part != b.field.part) return false;
-    if (a.kind == Drawn::Kind::maximum) return a.slabs == b.slabs;
-    return a.kind == Drawn::Kind::field ||
-           (a.look == b.look && a.slabs == b.slabs && a.transfer == b.transfer);
+ResolvedPicture sums_of(PictureRequest request, const FieldChoice& field,
+                        const ValueTransfer* transfer) {
+    ResolvedPicture picture;
+    picture.field = field;
+    if (transfer) picture.chosen.transfer = *transfer;
+    if (is_depth(request.show)) request.show = Show::depth;
+    if (is_field_map(request.show)) request.show = Show::mean;
+    picture.request = std::move(request);
+    return picture;
 }
 
-Drawn drawn_for(const Quantity& quantity, std::shared_ptr<const ValueTransfer> transfer) {
-    const bool maximum = quantity.show == Show::maximum;
-    const Drawn::Kind kind = quantity.show == Show::volume ? Drawn::Kind::light
-                             : maximum                     ? Drawn::Kind::maximum
-                             : of_field(quantity.show)     ? Drawn::Kind::field
-                                                           : Drawn::Kind::depth;
-    return {kind, quantity.field, quantity.look, maximum ? quantity.maximum_slabs : quantity.slabs,
-            kind == Drawn::Kind::light ? std::move(transfer) : nullptr};
+bool same_kind(const ResolvedPicture& a, const ResolvedPicture& b) {
+    return a.request.show == b.request.show &&
+           (is_depth(a.request.show) || same(a.field, b.field)) && channels_of(a) == channels_of(b);
+}
+
+bool same_sums(const ResolvedPicture& a, const ResolvedPicture& b) {
+    const PictureRequest &p = a.request, &q = b.request;
+    const auto tie = [](const Camera& c) {
+        return std::tie(c.eye, c.look_at, c.up, c.fov_degrees, c.orthographic_width);
+    };
+    if (!same_kind(a, b) || p.width != q.width || p.height != q.height ||
+        tie(a.camera()) != tie(b.camera()) || !(p.options.clip == q.options.clip) ||
+        p.options.pixel_error != q.options.pixel_error)
+        return false;
+    if (!is_by_value(p.show)) return true;
+    return p.slabs == q.slabs &&
+           (is_largest(a) || (p.look == q.look && a.chosen.transfer == b.chosen.transfer));
+}
+
+int channels_of(const ResolvedPicture& picture) {
+    return is_depth(picture.request.show) && picture.request.options.clip.empty() ? 1 : 4;
 }
 
 FieldUnit unit_of(const Fields& fields, const std::string& field) {
@@ -132,51 +146,85 @@ FieldUnit unit_of(const Fields& fields, const std::string& field) {
     return {};
 }
 
-float largest_column(const SumImage& sums) {
-    float most = 0;
-    for (std::size_t n = 0; n < sums.value.size(); n += static_cast<std::size_t>(sums.channels))
-        most = std::max(most, sums.value[n]);
-    return most;
-}
-
-ValueMap shown_map(const SumImage& sums, Show show, FieldUnit unit) {
-    ValueMap map{sums.width, sums.height, {}};
-    const double least = show == Show::column ? 0 : kLeastColumn * double{largest_column(sums)};
-    const auto channels = static_cast<std::size_t>(sums.channels);
-    for (std::size_t n = 0; n < sums.value.size(); n += channels) {
-        const double column = double{sums.value[n]};
-        double value = column;
-        if (!(column > least)) {
-            value = std::numeric_limits<double>::quiet_NaN();
-        } else if (of_field(show)) {
-            const double mean = double{sums.value[n + 1]} / column;
-            const double square = double{sums.value[n + 2]} / column;
-            value = show == Show::mean ? unit.reference + unit.unit * mean
-                                       : unit.unit * std::sqrt(std::max(square - mean * mean, 0.0));
+Sums numbers_of(const SumImage& sums, const ResolvedPicture& picture, FieldUnit unit) {
+    Sums numbers;
+    numbers.width = sums.width, numbers.height = sums.height;
+    const bool depth = is_depth(picture.request.show), light = picture.request.show == Show::volume;
+    for (std::size_t n = 0; n < sums.value.size(); n += static_cast<std::size_t>(sums.channels)) {
+        const float* const sum = &sums.value[n];
+        if (light) {
+            numbers.light.push_back({sum[0], sum[1], sum[2], sum[3]});
+            continue;
         }
-        map.value.push_back(static_cast<float>(value));
+        const double column = double{sum[0]};
+        if (!is_largest(picture)) numbers.column.push_back(sum[0]);
+        if (depth) continue;
+        double mean = std::numeric_limits<double>::quiet_NaN(), deviation = mean;
+        if (column > 0) {
+            mean = double{sum[1]} / column;
+            deviation = unit.unit * std::sqrt(std::max(double{sum[2]} / column - mean * mean, 0.0));
+            mean = unit.reference + unit.unit * mean;
+        }
+        // A root mean square is the deviation from 0.
+        if (picture.field.part == FieldPart::magnitude) mean = deviation;
+        (is_largest(picture) ? numbers.maximum : numbers.mean).push_back(static_cast<float>(mean));
+        if (!is_largest(picture)) numbers.deviation.push_back(static_cast<float>(deviation));
     }
-    return map;
+    return numbers;
 }
 
-ColorScale fitted_scale_of(const SumImage& sums, Show show, FieldUnit unit, bool log) {
-    const ColorScale none{ColorScale::Kind::linear, 0, 1};
-    if (show == Show::column) {
-        const DepthImage column = depth_of(sums);
-        return automatic_scale({&column, 1}, log ? ScaleFit::log : ScaleFit::linear);
+SumImage sums_from(Sums numbers, const ResolvedPicture& picture, FieldUnit unit) {
+    SumImage image{numbers.width, numbers.height, channels_of(picture), {}};
+    if (image.channels == 1) {
+        image.value = std::move(numbers.column);
+        return image;
     }
-    const ValueMap map = shown_map(sums, show, unit);
-    // Rims of supports do not count, as in values_for_scale.
-    std::vector<float> values;
-    const float least = 1e-3f * largest_column(sums);
-    bool positive = false;
-    for (std::size_t n = 0; n < map.value.size(); ++n) {
-        if (!(sums.value[n * static_cast<std::size_t>(sums.channels)] > least)) continue;
-        values.push_back(map.value[n]);
-        positive = positive || map.value[n] > 0;
+    const auto pixels =
+        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    image.value.resize(4 * pixels);
+    for (std::size_t n = 0; n < pixels; ++n) {
+        float* const to = &image.value[4 * n];
+        if (picture.request.show == Show::volume) {
+            const Rgba& pixel = numbers.light[n];
+            to[0] = pixel.r, to[1] = pixel.g, to[2] = pixel.b, to[3] = pixel.a;
+            continue;
+        }
+        const bool largest = is_largest(picture);
+        const double weight =
+            largest ? (std::isnan(numbers.maximum[n]) ? 0 : 1) : double{numbers.column[n]};
+        to[0] = static_cast<float>(weight);
+        if (is_depth(picture.request.show) || !(weight > 0)) continue;
+        double mean = double{largest ? numbers.maximum[n] : numbers.mean[n]};
+        double deviation = largest ? 0 : double{numbers.deviation[n]} / unit.unit;
+        mean = (mean - unit.reference) / unit.unit;
+        if (picture.field.part == FieldPart::magnitude) deviation = std::exchange(mean, 0.0);
+        to[1] = static_cast<float>(weight * mean);
+        to[2] = static_cast<float>(weight * (mean * mean + deviation * deviation));
     }
-    if (values.empty()) return none;
-    return fitted_scale(values, log && positive ? ScaleFit::log : ScaleFit::linear);
+    return image;
+}
+
+DepthImage depth_of(const Sums& numbers) {
+    DepthImage depth(numbers.width, numbers.height);
+    depth.depth = numbers.column;
+    return depth;
+}
+
+float largest_column(const Sums& numbers) {
+    if (!numbers.maximum.empty()) return 1;
+    return numbers.column.empty() ? 0 : std::ranges::max(numbers.column);
+}
+
+ColorScale fitted_scale_of(const Sums& numbers, Show show, bool log) try {
+    const ScaleFit fit = log ? ScaleFit::log : ScaleFit::linear;
+    if (is_by_value(show)) return fitted_scale(numbers.maximum, fit);
+    const FieldMaps maps{numbers.width, numbers.height, numbers.column, numbers.mean,
+                         numbers.deviation};
+    return colored_map(maps, show, fit).scale;
+} catch (const Error&) {
+    // Nothing is above 0.
+    if (!log) throw;
+    return fitted_scale_of(numbers, show, false);
 }
 
 }  // namespace vog::viewer

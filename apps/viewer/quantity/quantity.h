@@ -18,26 +18,24 @@ namespace vog::viewer {
 /// Numbers of vog::Show are those of shade.frag, up to volume (shaded_as).
 /// "Visibility", "Column density", ... for people.
 const char* name_of(Show show);
-/// Whether a quantity is of a field: mean, deviation, volume and maximum.
-bool of_field(Show show);
-
-/// Whether a quantity's colours are over a scale: column, mean, deviation and maximum.
+/// Whether a quantity shows a field.
+inline bool of_field(Show show) { return !is_depth(show); }
+/// Whether a quantity's colours are over a scale.
 inline bool has_scale(Show show) { return show != Show::depth && show != Show::volume; }
 
 /// Quantity, and how it is drawn.
 struct Quantity {
     Show show = Show::depth;
-    FieldChoice field{};  ///< of mean, deviation, volume and maximum; an empty name: none
-    VolumeLook look{};    ///< light of volume, and the clip of all quantities
-    int slabs = 32;       ///< depth slabs of volume, 1 to 1024
-    int maximum_slabs = kMaximumSlabs;  ///< of maximum
+    FieldChoice field{};         ///< where a field is shown; an empty name: none
+    VolumeLook look{};           ///< light of volume, and the clip of all quantities
+    std::optional<int> slabs{};  ///< PictureRequest::slabs
 };
-/// The quantity of shade.frag that shows the sums of another: a maximum is the mean of sums of column 1, a root mean square
-/// the deviation from a mean of 0.
+/// The quantity of shade.frag that shows the sums of another: a largest value is the mean of sums of column 1, a root mean
+/// square the deviation from a mean of 0.
 Show shaded_as(const Quantity& quantity);
-/// Fields and parts that a quantity can be of: of volume and maximum scalar fields only, of mean root mean squares, too.
+/// Fields and parts that a quantity can show: by value scalar fields only, of mean root mean squares, too.
 std::vector<FieldChoice> field_choices(const Fields& fields, Show show);
-/// The field of a quantity by its text, or the one it begins with: of volume and maximum the density itself where the model has it.
+/// The field of a quantity by its text, or the one it begins with: by value the density itself where the model has it.
 /// text    as field_choice reads it; empty: the first choice
 /// throws  vog::Error for a field that the model lacks, and for models without one
 FieldChoice field_for(const Fields& fields, Show show, const std::string& text);
@@ -49,7 +47,7 @@ std::string label_of(const Quantity& quantity, const Fields& fields);
 /// Sums per pixel; rows from the top.
 ///   1 channel   T at extinction 1
 ///   4 channels  T, T times a field's mean, T times its mean square, 0, in the field's unit (unit_of), of a root mean
-///               square with a mean of 0; or likewise a maximum, with 1 in place of T; or premultiplied colours
+///               square with a mean of 0; or the same of a largest value, with 1 in place of T; or premultiplied colours
 struct SumImage {
     int width = 0, height = 0, channels = 1;
     std::vector<float> value;  ///< [height][width][channels]
@@ -58,23 +56,19 @@ struct SumImage {
         return std::span(value).subspan(first, static_cast<std::size_t>(channels));
     }
 };
-/// T, or the column, in the first channel.
-DepthImage depth_of(const SumImage& sums);
 /// Image of the means over squares of factor x factor pixels.
 SumImage shrunk(SumImage image, int factor);
 
-/// What is drawn for a quantity. Quantities with equal ones share a picture: column density and visibility, mean and
-/// deviation.
-struct Drawn {
-    enum class Kind { depth, field, light, maximum } kind = Kind::depth;
-    FieldChoice field{};                              ///< of field, light and maximum
-    VolumeLook look{};                                ///< of all but light the clip alone
-    int slabs = 32;                                   ///< of light and maximum
-    std::shared_ptr<const ValueTransfer> transfer{};  ///< of light; another one has another address
-    int channels() const { return kind == Kind::depth && look.clip.empty() ? 1 : 4; }
-    friend bool operator==(const Drawn& a, const Drawn& b);
-};
-Drawn drawn_for(const Quantity& quantity, std::shared_ptr<const ValueTransfer> transfer);
+/// Picture of the sums of a quantity, which some share: columns and visibility, deviations and means. Colours do not count.
+/// transfer  of volume
+ResolvedPicture sums_of(PictureRequest request, const FieldChoice& field,
+                        const ValueTransfer* transfer = nullptr);
+/// Whether two such pictures are the same, camera and size included.
+bool same_sums(const ResolvedPicture& a, const ResolvedPicture& b);
+/// Whether two pictures have sums of one kind and field, which another view leaves comparable.
+bool same_kind(const ResolvedPicture& a, const ResolvedPicture& b);
+/// Channels of the sums of such a picture (SumImage).
+int channels_of(const ResolvedPicture& picture);
 
 /// Numbers of a field in sums: (value - reference) / unit.
 struct FieldUnit {
@@ -83,14 +77,17 @@ struct FieldUnit {
 /// By the range of the data: the middle and half the width of a scalar field, 0 and the largest magnitude of a vector.
 FieldUnit unit_of(const Fields& fields, const std::string& field);
 
-/// The map of a quantity from sums, NaN where nothing is shown.
-/// show  shaded_as
-/// unit  of the field
-ValueMap shown_map(const SumImage& sums, Show show, FieldUnit unit);
-/// Scale that fits a map, linear or logarithmic, as `vog render` fits it.
+/// Numbers of a picture from its sums, and sums from its numbers.
+/// picture  of sums_of
+/// unit     of the field
+Sums numbers_of(const SumImage& sums, const ResolvedPicture& picture, FieldUnit unit);
+SumImage sums_from(Sums numbers, const ResolvedPicture& picture, FieldUnit unit);
+/// T, or the column.
+DepthImage depth_of(const Sums& numbers);
+/// Scale that fits the numbers, linear or logarithmic, as `vog render` fits it.
 /// returns  0 to 1 where nothing is shown
-ColorScale fitted_scale_of(const SumImage& sums, Show show, FieldUnit unit, bool log);
-/// Largest first channel of the sums.
-float largest_column(const SumImage& sums);
+ColorScale fitted_scale_of(const Sums& numbers, Show show, bool log);
+/// Largest column; of largest values 1, the column of their sums.
+float largest_column(const Sums& numbers);
 
 }  // namespace vog::viewer

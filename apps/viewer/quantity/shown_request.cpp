@@ -13,10 +13,7 @@ PictureRequest request_of(const Quantity& quantity, const Look& look, const Came
     request.options.clip = quantity.look.clip;
     request.shading.background = look.shading.background;
     if (of_field(show)) request.field = text_of(quantity.field);
-    // Of voxels, whose pictures have no slabs, the numbers are the defaults.
-    if (show == Show::volume && quantity.slabs != Quantity{}.slabs) request.slabs = quantity.slabs;
-    if (show == Show::maximum && quantity.maximum_slabs != kMaximumSlabs)
-        request.slabs = quantity.maximum_slabs;
+    if (is_by_value(show)) request.slabs = quantity.slabs;
     if (show == Show::volume) {
         if (transfer) request.transfer.points = transfer_points(*transfer);
         request.look = quantity.look;

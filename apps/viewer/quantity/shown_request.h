@@ -8,7 +8,7 @@
 namespace vog::viewer {
 
 /// Request of a shown picture.
-/// scale     of column, mean, deviation and maximum
+/// scale     of quantities that have one
 /// transfer  of volume
 PictureRequest request_of(const Quantity& quantity, const Look& look, const Camera& camera,
                           const ColorScale& scale, const ValueTransfer* transfer, int width,

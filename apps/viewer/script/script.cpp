@@ -55,7 +55,7 @@ constexpr Form kForms[] = {
     {"camera", "w", "camera FILE.json"},
     {"save-camera", "f", "save-camera FILE.json", 0, 0, ".json"},
     {"zup", "s", "zup on|off"},
-    {"show", "w?w", "show T|column|mean|deviation|volume|maximum [FIELD]"},
+    {"show", "w?w", "show QUANTITY [FIELD]"},
     {"values", "a?nw", "values LOW HIGH [log] | values auto", -1e300, 1e300},
     {"clip", "o?nnnnn", "clip X0 Y0 Z0 X1 Y1 Z1 | clip off", -1e300, 1e300},
     {"light", "s", "light on|off"},

@@ -329,8 +329,8 @@ bool ScriptPlayer::start_quantity(const Action& action, Stage& stage) {
             if (w.size() < 2 || (w.size() > 2 && w[2] != "log"))
                 throw Error(fmt::format("values {}: expected LOW HIGH [log]", joined(w)));
             if (!has_scale(session.quantity.show))
-                throw Error(
-                    "values: is of column, mean, deviation and maximum, expected `show` before");
+                throw Error(fmt::format("values: {} has no scale, expected `show` before",
+                                        word_of(session.quantity.show)));
             const bool log = w.size() > 2;
             session.set_scale({log ? ColorScale::Kind::log : ColorScale::Kind::linear, number(w[0]),
                                number(w[1])});

@@ -12,6 +12,7 @@
 
 #include "quantity/quantity.h"
 #include "render/gpu/sums/gpu_sums.h"
+#include "screen/screen.h"
 #include "session/renderer_names.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
@@ -27,17 +28,24 @@ struct VoxelData {
     vog::Scene parts;  ///< volumes that add up, or the parts of a mesh, with all fields
 };
 
-/// One picture to draw, of a model or of voxels.
+/// Everything sums depend on: pictures with equal keys are equal.
+struct PictureKey {
+    WindowRenderer renderer = WindowRenderer::gl;
+    std::shared_ptr<const Gaussians> model;      ///< for all renderers but voxels
+    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: no levels of detail
+    std::shared_ptr<const VoxelData> voxels;     ///< for the voxel renderer
+    ResolvedPicture picture;                     ///< sums_of
+    PixelSize size() const { return {picture.request.width, picture.request.height}; }
+    friend bool operator==(const PictureKey& a, const PictureKey& b) {
+        return a.renderer == b.renderer && a.model == b.model && a.hierarchy == b.hierarchy &&
+               a.voxels == b.voxels && same_sums(a.picture, b.picture);
+    }
+};
+
+/// One picture to draw.
 struct RenderRequest {
     std::uint64_t key = 0;  ///< identifies the picture: RenderedPicture::key
-    WindowRenderer renderer = WindowRenderer::splat;
-    std::shared_ptr<const Gaussians> model;
-    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model, for splat
-    double pixel_error = 0;                      ///< CutOptions::pixel_error
-    std::shared_ptr<const VoxelData> voxels;     ///< null: the model is drawn
-    Drawn drawn;                                 ///< of the model or the voxels
-    Camera camera;
-    int width = 0, height = 0;
+    PictureKey what;
     int rays = 1;  ///< rays^2 rays a pixel, on a square lattice; the picture is their mean
     bool stays_on_gpu = false;  ///< pictures of GPU renderers are left in GPU memory
 };
@@ -72,10 +80,8 @@ class BackgroundRenderer {
   private:
     void work();
     RenderedPicture render(const RenderRequest& request);
-    void draw_on_host(const RenderRequest& request, int width, int height, const Progress& progress,
-                      RenderedPicture& picture);
+    void draw_on_host(const PictureKey& what, const Progress& progress, RenderedPicture& picture);
     void draw_on_gpu(const RenderRequest& request, RenderedPicture& picture);
-    void draw_sums(const RenderRequest& request, GpuSums& sums);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< used by the thread alone
 

@@ -2,18 +2,8 @@
 #include "session/picture.h"
 
 #include <limits>
-#include <tuple>
 
 namespace vog::viewer {
-
-bool operator==(const PictureKey& a, const PictureKey& b) {
-    const auto tie = [](const PictureKey& k) {
-        return std::tie(k.renderer, k.model, k.hierarchy, k.pixel_error, k.voxels,
-                        k.camera.orthographic_width, k.camera.eye, k.camera.look_at, k.camera.up,
-                        k.camera.fov_degrees, k.size);
-    };
-    return tie(a) == tie(b) && a.drawn == b.drawn;
-}
 
 const GlField& GlModelFields::field(const Gaussians& gaussians, const FieldChoice& choice) {
     const std::pair name{choice.field, choice.part};
@@ -30,10 +20,10 @@ GlModelFields& GlModels::get(const std::shared_ptr<const Gaussians>& model) {
 }
 
 void ProgressivePicture::require_target(PixelSize size) {
-    const GLenum format = key_.drawn.channels() == 1 ? GL_R32F : GL_RGBA32F;
+    const int channels = channels_of(key_.picture);
     if (!target_ || target_->width() != size.width || target_->height() != size.height ||
-        target_->channels() != key_.drawn.channels())
-        target_.emplace(format, size.width, size.height);
+        target_->channels() != channels)
+        target_.emplace(channels == 1 ? GL_R32F : GL_RGBA32F, size.width, size.height);
 }
 
 void ProgressivePicture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
@@ -41,9 +31,7 @@ void ProgressivePicture::update(const PictureKey& key, int subframes, GlRenderer
     const int begun =
         key.renderer == WindowRenderer::gl ? subframes_ : rays_requested_ * rays_requested_;
     if (!(valid_ && key == key_) || begun > subframes) {
-        sums_of_key_ = sums_of_key_ && key.drawn.kind == key_.drawn.kind &&
-                       key.drawn.channels() == key_.drawn.channels() &&
-                       key.drawn.field.field == key_.drawn.field.field;
+        sums_of_key_ = sums_of_key_ && same_kind(key.picture, key_.picture);
         key_ = key;
         valid_ = true;
         complete_ = false;
@@ -62,16 +50,17 @@ void ProgressivePicture::update(const PictureKey& key, int subframes, GlRenderer
 GlModelFields& ProgressivePicture::cut_model(GlModels& models, const Gaussians*& gaussians) {
     gaussians = key_.model.get();
     // Nodes are no substitute by value: light of a mean value is not the mean light, nor the largest one.
-    const bool by_value =
-        key_.drawn.kind == Drawn::Kind::light || key_.drawn.kind == Drawn::Kind::maximum;
-    if (!key_.hierarchy || key_.hierarchy->empty() || by_value) return models.get(key_.model);
+    const ResolvedPicture& picture = key_.picture;
+    if (!key_.hierarchy || key_.hierarchy->empty() || is_by_value(picture.request.show))
+        return models.get(key_.model);
     if (cut_of_ != key_.model) {
         cut_.emplace(*key_.model, *key_.hierarchy);
         cut_of_ = key_.model;
     }
     if (subframes_ == 0) {
-        chosen_ = &cut_->choose(frame_of(key_.camera, key_.size.width, key_.size.height),
-                                {key_.pixel_error, true});
+        const auto [width, height] = key_.size();
+        chosen_ = &cut_->choose(frame_of(picture.camera(), width, height),
+                                {picture.request.options.pixel_error.value_or(0), true});
         cut_model_.reset();
         if (chosen_ != key_.model.get()) cut_model_.emplace(*chosen_);
     }
@@ -82,21 +71,21 @@ GlModelFields& ProgressivePicture::cut_model(GlModels& models, const Gaussians*&
 
 void ProgressivePicture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
                                   GlRenderers& gl) const {
-    const Drawn& drawn = key_.drawn;
+    const ResolvedPicture& picture = key_.picture;
+    const PictureRequest& request = picture.request;
+    const Camera& camera = picture.camera();
     const Jitter jitter = jitter_of(subframes_);
-    if (drawn.kind == Drawn::Kind::light || drawn.kind == Drawn::Kind::maximum) {
-        if (!gl.slabs) gl.slabs.emplace();
-        gl.slabs->add({&on_device.model(), &on_device.field(gaussians, drawn.field),
-                       gaussians.fields.find_scalar(drawn.field.field), drawn.transfer, &drawn.look,
-                       drawn.slabs},
-                      key_.camera, jitter, *target_);
-    } else if (drawn.channels() == 1) {
-        gl.splat.add(on_device.model(), key_.camera, jitter, *target_);
-    } else {
-        const GlField* field =
-            drawn.kind == Drawn::Kind::field ? &on_device.field(gaussians, drawn.field) : nullptr;
-        gl.fields.add(on_device.model(), field, key_.camera, jitter, drawn.look.clip, *target_);
-    }
+    if (is_depth(request.show) && channels_of(picture) == 1)
+        return gl.splat.add(on_device.model(), camera, jitter, *target_);
+    const GlField* field =
+        is_depth(request.show) ? nullptr : &on_device.field(gaussians, picture.field);
+    if (!is_by_value(request.show))
+        return gl.fields.add(on_device.model(), field, camera, jitter, request.options.clip,
+                             *target_);
+    if (!gl.slabs) gl.slabs.emplace();
+    gl.slabs->add(
+        {&on_device.model(), field, gaussians.fields.find_scalar(picture.field.field), picture},
+        camera, jitter, *target_);
 }
 
 void ProgressivePicture::update_gl(int subframes, GlRenderers& gl) {
@@ -105,7 +94,7 @@ void ProgressivePicture::update_gl(int subframes, GlRenderers& gl) {
     if (timer_) ms_ = timer_->ms();
     if (complete_) return;
     if (!timer_) timer_.emplace();
-    require_target(key_.size);
+    require_target(key_.size());
     const Gaussians* gaussians = nullptr;
     GlModelFields& model = cut_model(gl.models, gaussians);
     drawn_ = model.model().size();
@@ -123,19 +112,11 @@ void ProgressivePicture::update_gl(int subframes, GlRenderers& gl) {
 void ProgressivePicture::request(int rays, GpuUpload& gpu) {
     if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
     rays_requested_ = rays;
-    const bool voxels = key_.renderer == WindowRenderer::voxels;
-    const bool on_gpu =
-        key_.renderer == WindowRenderer::cuda || key_.renderer == WindowRenderer::optix;
-    cpu_->request({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
-                   voxels ? nullptr : key_.hierarchy, key_.pixel_error,
-                   voxels ? key_.voxels : nullptr, key_.drawn, key_.camera, key_.size.width,
-                   key_.size.height, rays, on_gpu && gpu.stays_on_gpu()});
+    cpu_->request({++cpu_key_, key_, rays, on_gpu(key_.renderer) && gpu.stays_on_gpu()});
 }
 
 void ProgressivePicture::show(RenderedPicture& picture, GpuUpload& gpu) {
-    const bool on_gpu =
-        key_.renderer == WindowRenderer::cuda || key_.renderer == WindowRenderer::optix;
-    way_ = on_gpu ? "copied" : "";
+    way_ = on_gpu(key_.renderer) ? "copied" : "";
     if (!picture.on_gpu) return target_->upload(picture.sums.value);
     const std::string failure = gpu.fill(*target_, *picture.on_gpu);
     cpu_->give_back(std::move(*picture.on_gpu));
@@ -162,14 +143,14 @@ void ProgressivePicture::update_cpu(int subframes, GpuUpload& gpu) {
         complete_for_ = std::numeric_limits<int>::max();
         return;
     }
-    require_target(key_.size);
+    require_target(key_.size());
     show(*picture, gpu);
     sums_of_key_ = true;
     subframes_ = picture->rays * picture->rays;
     summed_ = 1;  // already a mean over its rays
     ms_ = picture->ms;
     drawn_ = picture->drawn;
-    ms_per_ray_ = ms_ / (double(key_.size.width) * key_.size.height * subframes_);
+    ms_per_ray_ = ms_ / (double(size().width) * size().height * subframes_);
     ++revision_;
     refine(picture->rays, subframes, gpu);
 }
@@ -178,7 +159,7 @@ void ProgressivePicture::refine(int done, int subframes, GpuUpload& gpu) {
     // By 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
     constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB a channel
     const int rays = 2 * done;
-    const std::int64_t all = std::int64_t{key_.size.width} * key_.size.height * rays * rays;
+    const std::int64_t all = std::int64_t{size().width} * size().height * rays * rays;
     complete_ = !(rays <= 4 && rays * rays <= subframes && all <= kRayLimit);
     complete_for_ = subframes;
     if (!complete_) request(rays, gpu);

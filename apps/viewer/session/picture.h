@@ -19,19 +19,6 @@
 
 namespace vog::viewer {
 
-/// Everything sums depend on: pictures with equal keys are equal.
-struct PictureKey {
-    WindowRenderer renderer = WindowRenderer::gl;
-    std::shared_ptr<const Gaussians> model;      ///< for all renderers but voxels
-    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: no levels of detail
-    double pixel_error = 0;                   ///< of the level-of-detail cut, pixels; gl and splat
-    std::shared_ptr<const VoxelData> voxels;  ///< for the voxel renderer
-    Drawn drawn;
-    Camera camera;
-    PixelSize size;
-    friend bool operator==(const PictureKey& a, const PictureKey& b);
-};
-
 /// A model in the device's memory, and the fields of it that were drawn.
 class GlModelFields {
   public:
@@ -81,7 +68,7 @@ class ProgressivePicture {
     /// Mean of the sub-frames; needs a first sub-frame.
     SumImage read() const;
     /// What the sums are of, once there are some.
-    const Drawn& drawn_sums() const { return key_.drawn; }
+    const ResolvedPicture& picture() const { return key_.picture; }
     /// Whether the sums belong to the latest key: those of a picture before are shown until others are there.
     bool has_sums() const { return valid_ && summed_ > 0 && sums_of_key_; }
 
@@ -93,7 +80,7 @@ class ProgressivePicture {
     double ms() const { return ms_; }
     /// Time per ray of the background renderer's latest picture, ms; infinite before the first.
     double ms_per_ray() const { return ms_per_ray_; }
-    PixelSize size() const { return key_.size; }
+    PixelSize size() const { return key_.size(); }
     /// Gaussians drawn in the latest picture; 0: unknown.
     std::size_t drawn() const { return drawn_; }
     /// Finished fraction of the background renderer's work; 0: idle.

@@ -13,6 +13,10 @@ namespace vog::viewer {
 enum class WindowRenderer { gl, splat, trace, cuda, optix, voxels };
 /// Renderers of this build, in the order to offer them in.
 std::vector<WindowRenderer> renderers();
+/// Whether a GPU draws without OpenGL; it adds up the rays of a pixel itself.
+inline bool on_gpu(WindowRenderer renderer) {
+    return renderer == WindowRenderer::cuda || renderer == WindowRenderer::optix;
+}
 /// The library's renderer of that name, reference for voxels. Not for gl
 vog::Renderer library_renderer(WindowRenderer renderer);
 /// "OpenGL", "CPU splat", "CPU rays", "CUDA", "OptiX", "voxels".

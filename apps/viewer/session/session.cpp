@@ -29,12 +29,11 @@ bool same(const Camera& a, const Camera& b) {
 }
 
 /// Fraction of the pixels with T > 0 by V, in 128 equal bins.
-std::vector<float> histogram_of(const SumImage& sums, double extinction) {
+std::vector<float> histogram_of(const std::vector<float>& column, double extinction) {
     constexpr std::size_t kBins = 128;
     std::vector<float> share(kBins);
     std::size_t covered = 0;
-    for (std::size_t n = 0; n < sums.value.size(); n += static_cast<std::size_t>(sums.channels)) {
-        const float t = sums.value[n];
+    for (const float t : column) {
         if (!(t > 0)) continue;
         const double v = -std::expm1(-double{t} * extinction);
         ++share[std::min(static_cast<std::size_t>(v * kBins), kBins - 1)];
@@ -156,19 +155,24 @@ PictureKey Session::key(WindowRenderer renderer) const {
         key.voxels = scene.voxels;
     else
         key.model = level->site && site_model_ ? site_model_ : level->model;
-    key.drawn = drawn_for(quantity, values.now());
+    PictureRequest request;
+    request.show = quantity.show;
+    request.look = quantity.look;
+    request.slabs = quantity.slabs;
+    request.options.clip = quantity.look.clip;
+    request.camera = camera;
     if (renderer == WindowRenderer::gl || renderer == WindowRenderer::splat) {
         key.hierarchy = level->hierarchy;
-        key.pixel_error = pixel_error();
+        request.options.pixel_error = pixel_error();
     }
-    key.camera = camera;
     double pixels = settings.scale;
     // Slow renderers use a sixteenth of the rays while the camera moves.
     const double rays = pixels * pixels * shown_.width * shown_.height;
     if (moving_ && renderer != WindowRenderer::gl && rays * ms_per_ray(renderer) > kSlowFrameMs)
         pixels *= 0.25;
-    key.size = {std::max(1, static_cast<int>(std::lround(shown_.width * pixels))),
-                std::max(1, static_cast<int>(std::lround(shown_.height * pixels)))};
+    request.width = std::max(1, static_cast<int>(std::lround(shown_.width * pixels)));
+    request.height = std::max(1, static_cast<int>(std::lround(shown_.height * pixels)));
+    key.picture = sums_of(std::move(request), quantity.field, values.now().get());
     return key;
 }
 
@@ -243,17 +247,14 @@ bool Session::at_rest() const {
 void Session::inspect() {
     if (!left_.has_sums()) return;
     // Reading back waits for the device, so only the first picture of a kind and complete ones are read.
-    const Drawn& drawn = left_.drawn_sums();
-    const bool first = inspected_revision_ < 0 || drawn.kind != inspected_drawn_.kind ||
-                       drawn.field.field != inspected_drawn_.field.field ||
-                       drawn.field.part != inspected_drawn_.field.part;
+    const bool first = inspected_revision_ < 0 || !same_kind(left_.picture(), inspected_picture_);
     if (!first && !(left_.complete() && !moving_ && left_.revision() != inspected_revision_))
         return;
-    inspected_ = left_.read();
-    inspected_drawn_ = left_.drawn_sums();
+    inspected_ = numbers();
+    inspected_picture_ = left_.picture();
     inspected_revision_ = left_.revision();
     most_column_ = largest_column(inspected_);
-    if (inspected_drawn_.kind == Drawn::Kind::depth) inspect_visibility();
+    if (has_depth()) inspect_visibility();
     if (has_scale(quantity.show) && scale_open_) {
         fit_scale();
         scale_open_ = !(loaded() && left_.complete());
@@ -267,19 +268,25 @@ void Session::inspect_visibility() {
         // Ends when the view is left, or when all levels are there.
         exposure_open_ = exposure_open_ && at_first_view() && !(loaded() && left_.complete());
     }
-    histogram = histogram_of(inspected_, look.extinction);
+    histogram = histogram_of(inspected_.column, look.extinction);
+}
+
+Sums Session::numbers() const { return numbers_of(left_.read(), left_.picture(), field_unit()); }
+
+/// Whether the inspected numbers are T or a column.
+bool Session::has_depth() const {
+    return inspected_revision_ >= 0 && is_depth(inspected_picture_.request.show);
 }
 
 void Session::look_changed() {
     shade_.set_look(look);
     if (look.extinction != automatic_extinction) exposure_open_ = false;
-    if (inspected_drawn_.kind == Drawn::Kind::depth)
-        histogram = histogram_of(inspected_, look.extinction);
+    if (has_depth()) histogram = histogram_of(inspected_.column, look.extinction);
 }
 
 void Session::auto_exposure() {
-    if (!left_.has_sums() || left_.drawn_sums().kind != Drawn::Kind::depth) return;
-    inspected_ = left_.read();
+    if (!left_.has_sums() || !is_depth(left_.picture().request.show)) return;
+    inspected_ = numbers();
     look.extinction = automatic_extinction = vog::auto_extinction(depth_of(inspected_));
     look_changed();
 }

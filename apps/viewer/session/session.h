@@ -232,6 +232,8 @@ class Session {
     void update_quantity();
     void fit_scale();
     FieldUnit field_unit() const;
+    Sums numbers() const;
+    bool has_depth() const;
     ShadeView shade_view() const;
     void advance_recording();
     void update_steps();
@@ -244,8 +246,8 @@ class Session {
     ProgressivePicture left_, right_;
     PixelSize shown_;
     std::function<double()> clock_s_;
-    SumImage inspected_;     ///< sums as last read back
-    Drawn inspected_drawn_;  ///< what they are of
+    Sums inspected_;                     ///< numbers as last read back
+    ResolvedPicture inspected_picture_;  ///< what they are of
     /// The latest probe of a volume: nothing is computed again for a pointer at rest.
     mutable struct {
         int column = -1, row = -1, revision = -1;

@@ -96,42 +96,22 @@ void Session::save_picture(const fs::path& file) {
 
 void Session::save_depth(const fs::path& file) {
     if (!left_.has_sums()) throw Error("there is no picture yet");
-    const SumImage sums = left_.read();
-    switch (left_.drawn_sums().kind) {
-        case Drawn::Kind::depth: {
-            DepthImage depth = depth_of(sums);
-            set_extinction(depth, look.extinction);
-            write_exr(file, depth);
-            break;
-        }
-        case Drawn::Kind::field: {
-            const auto map = [&](Show show) { return shown_map(sums, show, field_unit()).value; };
-            const std::vector<float> column = map(Show::column), mean = map(Show::mean),
-                                     deviation = map(Show::deviation);
-            if (left_.drawn_sums().field.part == FieldPart::magnitude) {
-                const NamedValues channels[] = {{"column", column}, {"rms", deviation}};
-                write_channels(file, sums.width, sums.height, channels);
-                break;
-            }
-            const NamedValues channels[] = {
-                {"column", column}, {"mean", mean}, {"deviation", deviation}};
-            write_channels(file, sums.width, sums.height, channels);
-            break;
-        }
-        case Drawn::Kind::maximum: {
-            const std::vector<float> largest = shown_map(sums, Show::mean, field_unit()).value;
-            const NamedValues channels[] = {{"maximum", largest}};
-            write_channels(file, sums.width, sums.height, channels);
-            break;
-        }
-        case Drawn::Kind::light: {
-            std::vector<Rgba> light;
-            for (std::size_t n = 0; n < sums.value.size(); n += 4)
-                light.push_back(
-                    {sums.value[n], sums.value[n + 1], sums.value[n + 2], sums.value[n + 3]});
-            write_exr(file, over(light, sums.width, sums.height, Rgba{0, 0, 0, 0}));
-            break;
-        }
+    Picture picture;
+    picture.made = left_.picture();
+    picture.sums = numbers();
+    Sums& sums = picture.sums;
+    const Show show = picture.made.request.show;
+    if (is_depth(show)) {
+        DepthImage depth = depth_of(sums);
+        set_extinction(depth, look.extinction);
+        write_exr(file, depth, record());
+    } else if (show == Show::volume) {
+        write_exr(file, over(sums.light, sums.width, sums.height, Rgba{0, 0, 0, 0}), record());
+    } else if (picture.made.field.part == FieldPart::magnitude) {
+        const NamedValues channels[] = {{"column", sums.column}, {"rms", sums.mean}};
+        write_channels(file, sums.width, sums.height, channels, record());
+    } else {
+        write_numbers(file, picture, record());
     }
     show_message("wrote " + file.string());
 }

@@ -104,8 +104,7 @@ void Session::set_scale(const ColorScale& wanted) {
 }
 
 void Session::fit_scale() {
-    scale = fitted_scale_of(inspected_, shaded_as(quantity), field_unit(),
-                            scale.kind == ColorScale::Kind::log);
+    scale = fitted_scale_of(inspected_, quantity.show, scale.kind == ColorScale::Kind::log);
 }
 
 void Session::automatic_scale() {
@@ -160,14 +159,14 @@ ShadeView Session::shade_view() const {
 }
 
 Probed Session::probe(double x, double y) const {
-    if (inspected_.value.empty() || !left_.has_sums() || moving_) return {};
+    if (inspected_.width == 0 || !left_.has_sums() || moving_) return {};
     if (x < 0 || y < 0 || x >= 1 || y >= 1) return {};
     const int column = static_cast<int>(x * inspected_.width);
     const int row = static_cast<int>(y * inspected_.height);
-    const std::span<const float> sums = inspected_.at(column, row);
-    if (quantity.show != Show::volume)
-        return {probe_text(quantity, fields(), sums, most_column_, look.extinction)};
-    return {probe_volume(column, row)};
+    const auto pixel = static_cast<std::size_t>(row * inspected_.width + column);
+    if (quantity.show == Show::volume) return {probe_volume(column, row)};
+    if (!same_kind(left_.picture(), inspected_picture_)) return {};
+    return {probe_text(quantity, fields(), inspected_, pixel, most_column_, look.extinction)};
 }
 
 std::string Session::probe_volume(int column, int row) const {

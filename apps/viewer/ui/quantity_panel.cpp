@@ -14,8 +14,8 @@ namespace {
 void choose_quantity(Session& session, Gui& gui) {
     const Quantity& quantity = session.quantity;
     if (ImGui::BeginCombo("show", name_of(quantity.show))) {
-        for (const Show show : {Show::depth, Show::column, Show::mean, Show::deviation,
-                                Show::volume, Show::maximum}) {
+        for (const char* word : show_words()) {
+            const Show show = show_named(word);
             if (of_field(show) && field_choices(session.fields(), show).empty()) continue;
             if (ImGui::Selectable(name_of(show), show == quantity.show))
                 attempt(session, [&] { session.set_quantity(show); });

@@ -40,6 +40,30 @@ class GpuModelPictures : public SourceRenderer {
         return maps;
     }
 
+    void draw_sums(const ResolvedPicture& picture, const SumsUnit& unit, int rays,
+                   GpuSums& sums) override {
+        const PictureRequest& request = picture.request;
+        const SumsSize size{request.width, request.height, rays};
+        const Clipping& clip = request.options.clip;
+        const Camera& camera = picture.camera();
+        const std::string& field = picture.field.field;
+        if (is_depth(request.show) && clip.empty()) {
+            prepare_depth(*source_.model);
+            return cuda_ ? cuda_->render(camera, size, sums) : optix_->render(camera, size, sums);
+        }
+        GpuPictures& pictures = prepared(picture);
+        if (is_depth(request.show))
+            pictures.depth(camera, size, sums, clip);
+        else if (is_field_map(request.show))
+            pictures.fields(picture.field, unit, camera, size, sums, clip);
+        else if (request.show == Show::volume)
+            pictures.volume(field, picture.chosen.transfer, camera, size, sums,
+                            request.slabs.value_or(kVolumeSlabs), look_of(picture));
+        else
+            pictures.maximum(field, unit, camera, size, sums, request.slabs.value_or(kMaximumSlabs),
+                             clip);
+    }
+
   protected:
     void depth(const ResolvedPicture& picture, DepthImage& image, const Progress&) override {
         const PictureRequest& request = picture.request;

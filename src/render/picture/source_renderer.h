@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/by_value/volume_image.h"
+#include "render/gpu/sums/gpu_sums.h"
 #include "vog/picture.h"
 
 namespace vog::pictures {
@@ -44,6 +45,13 @@ class SourceRenderer {
                 return;
             }
         }
+    }
+    /// The picture left in GPU memory, without levels of detail.
+    /// unit  of the field in the sums
+    /// rays  rays^2 rays a pixel
+    /// throws  vog::Error by a renderer that does not draw on a GPU
+    virtual void draw_sums(const ResolvedPicture&, const SumsUnit&, int /*rays*/, GpuSums&) {
+        throw Error("no sums in GPU memory by this renderer, expected cuda or optix");
     }
     /// What pictures like this one share, which is made with the first one otherwise.
     virtual void prepare(const ResolvedPicture&) {}

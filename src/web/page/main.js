@@ -133,7 +133,7 @@ function shade() {
   renderer.shade({
     quantity: quantityNumber(state), scale: scaleNow(), fade: state.fade, background: page.background,
     factor: state.show === 'T' ? state.exposure : state.show === 'volume' ? 1 : 1 / model.extinction,
-    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: state.show === 'maximum' ? 0 : page.leastColumn * model.mostColumn,
+    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: inSlabs(state.show) ? 0 : page.leastColumn * model.mostColumn,
   });
 }
 

@@ -1,10 +1,10 @@
 // readout.js: the numbers under the pointer.
-import { label, numberText } from './quantity.js';
+import { inSlabs, label, numberText } from './quantity.js';
 
 /** Lines on the sums of one pixel. */
 function linesOfSums(sums, model, state) {
   if (!sums || !(sums[0] > 0)) return [];
-  if (state.show === 'maximum') {
+  if (inSlabs(state.show)) {
     const { reference, scale } = model.fields[state.field];
     return [`${label(model, state)} ${numberText(reference + (scale * sums[1]) / sums[0])}`];
   }

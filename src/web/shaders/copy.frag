@@ -1,4 +1,4 @@
-// copy.frag: one image added to another by blending. MEANS: of maximum.frag, as sums of a field of column 1.
+// copy.frag: one image added to another by blending. MEANS: of largest.frag, as sums of a field of column 1.
 in vec2 position;
 
 uniform highp sampler2D image;

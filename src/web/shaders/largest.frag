@@ -1,4 +1,4 @@
-// maximum.frag: largest mean of a field over eight slabs of a pixel, kept by blending (render/splat/volume/slab_maximum.cpp):
+// largest.frag: largest mean of a field over eight slabs of a pixel, kept by blending (render/splat/volume/slab_maximum.cpp):
 // 1, mean. Before that the largest of the slabs' densities.
 uniform highp sampler2D layer_0, layer_1, layer_2, layer_3;
 uniform highp sampler2D densest;  // the largest density

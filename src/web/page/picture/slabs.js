@@ -85,9 +85,9 @@ export class Slabs {
   }
 
   /**
-   * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours; of a maximum 1 and the value.
+   * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours, or 1 and the largest value.
    * parts  [{gpu, first, count}] of renderer.js
-   * what   {field: its place, source: the page's field, transfer: null: the maximum, light: {on, towards, weights}, clip, slabs}
+   * what   {field: its place, source: the page's field, transfer: null: the largest value, light: {on, towards, weights}, clip, slabs}
    */
   add(parts, model, camera, what) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
@@ -180,7 +180,7 @@ export class Slabs {
     gl.clearBufferfv(gl.COLOR, 0, [0, -60000, 0, 0]);
     renderer.target(this.into.densest, [this.densest]);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    const used = renderer.program('screen.vert', ['maximum.frag']);
+    const used = renderer.program('screen.vert', ['largest.frag']);
     for (const means of [0, 1]) {
       used.use();
       used.setInteger('of_means', means);
