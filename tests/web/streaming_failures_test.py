@@ -31,7 +31,7 @@ class Failures(NodeSiteTest):
         server = self.begin(fragment="#subframes=1&error=32")
         self.settle()
         server.bytes_per_s = 4000
-        self.value("vog.change({pixelError: 0.5})")
+        self.value("(globalThis.first = vog.state.camera, vog.change({pixelError: 0.5}))")
         self.until("vog.source.requests.flying.size > 0")
         # All of the model lies behind.
         self.value("vog.change({camera: {...vog.state.camera, at: vog.state.camera.eye, "
@@ -40,7 +40,7 @@ class Failures(NodeSiteTest):
         self.settle()
         self.assertEqual(self.drawn, 0)
         server.bytes_per_s = None
-        self.value("vog.change({camera: vog.page.camera})")
+        self.value("vog.change({camera: first})")
         self.settle()
         self.assertGreater(self.drawn, 0)
         self.assertGreater(server.cut_off, 0)
