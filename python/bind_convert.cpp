@@ -492,7 +492,7 @@ joint_field  of Volume and Levels by moments: one of the fields, or "volume", th
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), interpolation_error and
-          mean_interpolation_error (those of the voxels interpolated linearly),
+          mean_interpolation_error (those of the voxels interpolated, in place of a model),
           as_near_as_interpolation, view_note (mass that the views leave out, in words),
           stopped_by_count, stage_ms
 

@@ -119,8 +119,9 @@ struct MomentReport {
     /// voxels. -1: not measured. Above MomentOptions::error if the finest cut does not achieve it.
     double measured_error = -1;
     double mean_error = -1;  ///< the same over the pixels of all views together; -1: not measured
-    /// The same two of the voxels interpolated linearly between their centres, in place of a model: below these an
-    /// error says nothing. -1: not measured.
+    /// The same two of the voxels interpolated in place of a model: below these an error says nothing. Linearly between
+    /// their centres; in a search for MomentOptions::error of one volume also by one Gaussian a voxel, whose errors
+    /// with an eighth more count where they are larger. -1: not measured.
     double interpolation_error = -1, mean_interpolation_error = -1;
     /// Mass that the error views leave out, in words; empty: none, or not measured.
     std::string view_note;

@@ -110,8 +110,8 @@ TEST_F(request_command, draws_the_picture_of_a_pages_link) {
     must("render cloud.ply -o first.png --request 'file:///a%20b/page.html#" + words + "'");
     must(
         "render cloud.ply -o same.png --show volume --field density --tf viridis --range 0.1,0.9 "
-        "--scale log --unit-distance 20 --light head --light-weights .3,.6,.3,20 "
-        "--clip=-9,-9,-9,9,9,9 --clip-plane 1,0,0,-3 --background 1,1,1 --eye 0,0,90 "
+        "--scale log --unit-distance 20 --light head --set light-weights=.3,.6,.3,20 "
+        "--clip=-9,-9,-9,9,9,9 --clip 1,0,0,-3 --background 1,1,1 --eye 0,0,90 "
         "--look-at 0,0,0 --fov 40 --size 40x30");
     expect_same_pixels("first.png", "same.png");
     write("link.txt", "https://example.org/#" + words + "\n");
