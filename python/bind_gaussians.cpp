@@ -118,7 +118,8 @@ py::tuple state_of(const py::object& self) {
                           model.cutoff, box_array(model.box), model.source_voxels, model.source,
                           model.method, model.options, model.summary, array_of(model.origin),
                           plain_fields(self), box_array(model.content.voxels), model.content.hull,
-                          model.content.standing.up, model.content.standing.front);
+                          model.content.standing.up, model.content.standing.front,
+                          model.content.units.length, model.content.units.density);
 }
 Model from_state(const py::tuple& state) {
     Model model = from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(),
@@ -132,10 +133,21 @@ Model from_state(const py::tuple& state) {
         model->content = {box_of(state[13]),
                           state[14].cast<std::vector<Vec3d>>(),
                           {state[15].cast<Vec3d>(), state[16].cast<Vec3d>()}};
+    if (state.size() > 17)
+        model->content.units = {state[17].cast<std::string>(), state[18].cast<std::string>()};
     return model;
 }
 
 void bind_arrays(py::class_<Gaussians, Model>& c) {
+    c.def_property(
+        "_units",
+        [](const Gaussians& model) {
+            const Units& units = model.content.units;
+            return py::make_tuple(units.length, units.density);
+        },
+        [](Gaussians& model, const std::pair<std::string, std::string>& units) {
+            model.content.units = {units.first, units.second};
+        });
     c.def_property(
          "mean",
          [](const py::object& self) { return view_of<float>(self.cast<Gaussians&>().mean, self); },

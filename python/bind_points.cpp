@@ -112,6 +112,12 @@ source      name for messages and models
         .def_property_readonly(
             "box", [](const Points& self) { return box_array(bounds(self)); },
             "[2, 3] float64: lower and upper corner in world space.")
+        .def_property(
+            "_units",
+            [](const Points& self) { return py::make_tuple(self.length_unit, std::string()); },
+            [](Points& self, const std::pair<std::string, std::string>& units) {
+                self.length_unit = units.first;
+            })
         .def("__len__", &Points::size)
         .def("__repr__",
              [](const Points& self) {

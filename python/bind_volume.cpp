@@ -187,7 +187,8 @@ void set_direction_at(Volume& volume, const py::object& direction) {
 py::tuple volume_state(const Volume& volume) {
     return py::make_tuple(bytes_of(volume.leaves), bytes_of(volume.tiles),
                           matrix_of(volume.world_from_index), volume.name, volume.source,
-                          volume.standing.up, volume.standing.front);
+                          volume.standing.up, volume.standing.front, volume.units.length,
+                          volume.units.density);
 }
 std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     auto volume = std::make_shared<Volume>();
@@ -198,6 +199,8 @@ std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     volume->source = state[4].cast<std::string>();
     if (state.size() > 5)  // older states have none
         volume->standing = {state[5].cast<Vec3d>(), state[6].cast<Vec3d>()};
+    if (state.size() > 7)
+        volume->units = {state[7].cast<std::string>(), state[8].cast<std::string>()};
     validate(*volume);
     return volume;
 }
@@ -300,6 +303,14 @@ True)")
             },
             py::arg("file"), py::arg("half") = false,
             "Writes an OpenVDB fog volume. half: stores values as 16-bit floats.")
+        .def_property(
+            "_units",
+            [](const Volume& self) {
+                return py::make_tuple(self.units.length, self.units.density);
+            },
+            [](Volume& self, const std::pair<std::string, std::string>& units) {
+                self.units = {units.first, units.second};
+            })
         .def_readwrite("name", &Volume::name, "Name of the grid.")
         .def_readonly("source", &Volume::source, "File that the volume was read from, or ''.")
         .def_property_readonly(

@@ -202,6 +202,7 @@ struct ResolvedPicture {
     TransferFunction colors{};  ///< for all other quantities
     std::string name, unit;  ///< name and unit of the shown number: "deviation of temperature", "K"
     double factor = 1;       ///< from the data's unit to `unit`
+    bool unit_is_label = false;  ///< the data state none, and the requested unit is only a label
     const Camera& camera() const { return *request.camera; }
 };
 /// A member of a request that contradicts the data or other members.

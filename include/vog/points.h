@@ -16,9 +16,10 @@ namespace vog {
 
 /// Attribute of particles, one number each: a mass, a temperature.
 struct PointAttribute {
-    std::string name;        ///< name of the column or of the grid's attribute
-    BigVector<float> value;  ///< [N] numbers of the file divided by `unit`; NaN: missing
-    double unit = 1;         ///< power of ten > 1 where the file has numbers beyond float's range
+    std::string name;         ///< name of the column or of the grid's attribute
+    BigVector<float> value;   ///< [N] numbers of the file divided by `unit`; NaN: missing
+    double unit = 1;          ///< power of ten > 1 where the file has numbers beyond float's range
+    std::string unit_name{};  ///< unit of the file's numbers: "K"; empty: not known
 };
 
 /// Particles in world space. Positions are doubles, so that a box of 50,000 kpc/h keeps its halos.
@@ -28,6 +29,8 @@ struct Points {
     std::vector<PointAttribute> attributes;  ///< in the order of the file
     std::string source;  ///< file of origin, for messages and model headers; empty: none
     Box box;  ///< periodic box that the file states (BoxSize of a snapshot); empty: not stated
+    std::string length_unit{},
+        velocity_unit{};  ///< as the file states them: "kpc", "km/s"; empty: not known
 
     std::size_t size() const { return position.size(); }  ///< N
 };
@@ -47,6 +50,9 @@ void validate(const Points& points);
 /// missing  values may be missing (NaN)
 /// throws   vog::Error listing the names for an unknown one, and naming the first particle without a value
 BigVector<float> point_values(const Points& points, const std::string& name, bool missing = false);
+/// Unit of the values that point_values has of a name: "1" of "count", "1e+40 g" of an attribute in g that is divided by 1e40;
+/// empty: not known.
+std::string point_value_unit(const Points& points, const std::string& name);
 /// throws  vog::Error naming the first particle for which a value is missing (NaN)
 void require_values(const Points& points, const std::string& name, const BigVector<float>& values);
 /// Attribute with the radii at which the kernels of smoothed-particle hydrodynamics end, and the factor from its numbers

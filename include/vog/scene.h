@@ -48,10 +48,9 @@ struct Scene {
     std::vector<Source>
         sources;  ///< at least one, all of one kind; depths, columns, means and deviations are of their sum,
                   ///< other quantities are of one source
-    Subject subject{};                         ///< part that views frame
-    std::string name{};                        ///< "smoke.vdb", for messages; may be empty
-    std::string column = "column density";     ///< name of columns; "number per area" for particles
-    std::string column_unit{}, length_unit{};  ///< as the data state them; empty: not known
+    Subject subject{};                      ///< part that views frame, with the units of the data
+    std::string name{};                     ///< "smoke.vdb", for messages; may be empty
+    std::string column = "column density";  ///< name of columns; "number per area" for particles
     /// Processes that hold parts of the data and draw the same pictures, which are complete on the root. Null: one process.
     const Collective* collective = nullptr;
 

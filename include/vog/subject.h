@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "vog/linear.h"
@@ -21,15 +22,24 @@ struct Standing {
     friend bool operator==(const Standing&, const Standing&) = default;
 };
 
-/// Extent of the source of a model, which its volume and the model share.
+/// Units of data, as their files state them ("kpc", "g/cm3"; vog/units.h). Empty: not known.
+struct Units {
+    std::string length{};   ///< unit of world lengths
+    std::string density{};  ///< unit of the density
+
+    friend bool operator==(const Units&, const Units&) = default;
+};
+
+/// Extent and units of the source of a model, which its volume and the model share.
 struct Content {
     Box voxels;  ///< box of the active voxels, world units; empty: no voxels, or not known
     /// Points, world units, whose convex hull holds what a picture shows: 99.9 % of the light of the data as fog, seen along
     /// any axis. None: not known.
     std::vector<Vec3d> hull;
     Standing standing{};
+    Units units{};
 
-    /// Content of both; its hull is unknown where one is. How the first stands counts.
+    /// Content of both; its hull is unknown where one is, its units where they differ. How the first stands counts.
     void include(const Content& other);
 };
 

@@ -20,4 +20,8 @@ const LengthUnit* length_unit(const std::string& name);
 /// returns  nothing where the two do not measure the same, or one is no such product
 std::optional<double> unit_factor(const std::string& from, const std::string& to);
 
+/// Text of the unit a * b^power: "g/cm3 kpc" of "g/cm3" and "kpc", "Msun/kpc2" of "Msun/kpc3" and "kpc". Names and numbers are
+/// collected in the order in which they come. Empty where a text is empty, or power is not 1 and a text is no product.
+std::string unit_product(const std::string& a, const std::string& b, int power = 1);
+
 }  // namespace vog

@@ -66,6 +66,7 @@ struct Volume {
     std::string name;         ///< grid name: "density"
     std::string source;       ///< file of origin, for messages and model headers; empty: none
     Standing standing{};      ///< how the data stand, where the file says or implies it
+    Units units{};            ///< as the file states them
 
     /// Whether there is neither a leaf nor a tile.
     bool empty() const { return leaves.empty() && tiles.empty(); }

@@ -119,8 +119,13 @@ def _fits_length(unit: Any, size: float) -> "tuple[float, str]":
     """Factor to a unit of FITS's own list, and its text: the unit itself, or of others, such as code_length, the largest of which
     `size` is at least one."""
     text = _unit_text(unit)
-    if text in _FITS_LENGTHS or isinstance(unit, str):
+    if text in _FITS_LENGTHS:
         return 1.0, text
+    if isinstance(unit, str):
+        try:
+            unit = parsed(unit, "projection")
+        except (ImportError, _vog.Error):
+            return 1.0, text
     factors = {}
     for name in _FITS_LENGTHS:
         try:
@@ -333,6 +338,9 @@ def projection(
         if unit is None and "code_" in str(natural):  # no reader beside the data set has its units of code
             result = result.in_cgs()
             natural = result.units
+        if unit is None and getattr(natural, "scale", 1) != 1:  # '12.8 Mpc', which is no unit of FITS
+            natural = type(natural)(1, natural.bases, natural.powers)
+            result = result.to(natural)
         if unit is not None:
             result = _converted(result, unit)
             natural = parsed(unit, "projection", natural) if isinstance(unit, str) else unit

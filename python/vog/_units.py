@@ -1,9 +1,8 @@
 """Units of astropy, pint and unyt (yt's): numbers without them for the library, results with them.
 
-Volumes and models remember the units they were made with; files do not keep them.
+Volumes, particles and models have the units that their files state, or that they were made with. Models and pickles keep the texts.
 """
 import functools
-import os
 import weakref
 from typing import Any, Callable, NamedTuple, Optional
 
@@ -29,10 +28,29 @@ def units_of(data: object) -> Units:
     """Units of a Volume, Levels, Gaussians or Points; of a list of volumes those of the first."""
     if isinstance(data, (list, tuple)) and data:
         data = data[0]
+    if (given := _given_units(data)) is not None:
+        return given
+    if isinstance(data, _vog.Levels):
+        data = data[0] if len(data) else None
+    stated = getattr(data, "_units", ("", ""))
+    return Units(_known_text(stated[1]), stated[0] or None)
+
+
+def _given_units(data: object) -> Optional[Units]:
+    """Units that data were made with; None: none."""
     try:
-        return _known.get(data, Units())
+        return _known.get(data)
     except TypeError:  # what cannot be referenced weakly has none
-        return Units()
+        return None
+
+
+@functools.lru_cache(maxsize=None)
+def _known_text(unit: str) -> Optional[str]:
+    """The text of a unit; None: empty, or no unit elsewhere: Hounsfield's, counts."""
+    try:
+        return unit if unit and parsed(unit, "units_of") else None
+    except (ImportError, _vog.Error):
+        return None
 
 
 def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
@@ -42,7 +60,7 @@ def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
     length   unit of world lengths: 'kpc'
 
     Numbers stay as they are. vog.projection gives its result units where the data have them, and vog.convert hands
-    them on to the model. Files and pickles do not keep them.
+    them on to the model. Labels and `units` of vog.render know their texts, which models keep in files; files of volumes do not.
 
     >>> volume = vog.set_units(vog.sample_cloud(64), "g / cm3", "kpc")
     >>> vog.units_of(vog.convert(volume, block=8))
@@ -53,8 +71,34 @@ def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
     for name, unit in (("density", density), ("length", length)):
         if not (unit is None or isinstance(unit, str) or _package_of_unit(unit)):
             raise TypeError(f"set_units: {name}: got {described(unit)}, expected a text or a unit of astropy, pint or unyt")
-    _known[data] = Units(density, length)
+    _record(data, Units(density, length))
     return data
+
+
+def _record(data: Any, units: Units) -> None:
+    """Sets the units of data, and their texts, which labels, files and pickles have."""
+    _known[data] = units
+    for one in map(data.__getitem__, range(len(data))) if isinstance(data, _vog.Levels) else [data]:
+        one._units = (_stated(units.length), _stated(units.density))
+
+
+def _stated(unit: Any) -> str:
+    """Text of a unit. Units of a simulation's code get numbers: '128 Mpc', else in CGS."""
+    if unit is None or isinstance(unit, str):
+        return unit or ""
+    package = _package_of_unit(unit)
+    if package == "astropy":
+        return str(unit.to_string())
+    if package == "pint":
+        return f"{unit:~C}"
+    if "code_" not in str(unit):
+        return str(unit)
+    one = need("unyt", "set_units").unyt_quantity(1.0, unit).in_cgs()
+    for name in ("Mpc", "kpc", "pc", "AU", "km", "m") if str(one.units) == "cm" else ():
+        if one.to(name).value >= 0.9:
+            one = one.to(name)
+            break
+    return f"{float(one.value):.7g} {one.units}"
 
 
 def is_quantity(value: object) -> bool:
@@ -145,7 +189,7 @@ def _with_units(make: _Made, name: str, first: Callable[[Any], "tuple[Any, Any]"
             named[name], density = first(named[name])
         result = make(*args, **named)
         if density is not None or length is not None:
-            _known[result] = Units(density, length) if lattice else Units(None, density)
+            _record(result, Units(density, length) if lattice else Units(None, density))
         return result
 
     return made
@@ -174,7 +218,7 @@ def _convert(convert: _Made) -> _Made:
         model = convert(*args, **named)
         data = args[0] if args else named.get("data")
         # The unit of length alone: density is of the particles' value per volume.
-        units = units_of(data)
+        units = _given_units(data[0] if isinstance(data, (list, tuple)) and data else data) or Units()
         if isinstance(data, _vog.Points):
             units = Units(None, units.length)
         if any(unit is not None for unit in units):
@@ -184,28 +228,8 @@ def _convert(convert: _Made) -> _Made:
     return converted
 
 
-def _load(load: _Made) -> _Made:
-    """The load of a class, whose result then has the units that a dense image states; of values those that are units elsewhere."""
-
-    @functools.wraps(load)
-    def loaded(*args: Any, **named: Any) -> Any:
-        data = load(*args, **named)
-        files = args[0] if args else named.get("file", named.get("files"))
-        first: Any = data if isinstance(data, _vog.Volume) else data[0]
-        _, _, length, density = _vog._volume_head(files if isinstance(files, (str, os.PathLike)) else files[0], first.name)
-        try:
-            density = density if density and not named.get("mask") and parsed(density, "load") else ""
-        except (ImportError, _vog.Error):  # Hounsfield's, counts
-            density = ""
-        if density or length:
-            _known[data] = Units(density or None, length or None)
-        return data
-
-    return loaded
-
-
 def accept_quantities() -> None:
-    """Makes from_numpy and from_blocks accept Quantities, load set the units of files, and convert hand units on."""
+    """Makes from_numpy and from_blocks accept Quantities, and convert hand units on."""
     module: Any = _vog
     for owner, call, name, first in (
         (module.Volume, "from_numpy", "array", _array),
@@ -214,8 +238,6 @@ def accept_quantities() -> None:
     ):
         lattice = owner is module.Volume
         setattr(owner, call, staticmethod(_with_units(getattr(owner, call), name, first, lattice)))
-    for owner in (module.Volume, module.Levels):
-        owner.load = staticmethod(_load(owner.load))
     module.convert = _convert(module.convert)
 
 

@@ -168,6 +168,7 @@ class Image:
 
 class Volume:
     name: str
+    _units: tuple[str, str]
     @staticmethod
     def load(
         file: _Path,
@@ -261,6 +262,7 @@ def _volume_head(file: _Path, grid: str = ...) -> tuple[tuple[float, float, floa
 
 class Points:
     source: str
+    _units: tuple[str, str]
     @staticmethod
     def load(
         file: Union[_Path, Sequence[_Path]],
@@ -324,6 +326,7 @@ class Field:
 
 class Gaussians:
     cutoff: float
+    _units: tuple[str, str]
     source: str
     def __init__(
         self,

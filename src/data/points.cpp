@@ -56,6 +56,11 @@ void append(Points& points, const Points& other) {
         return;
     }
     if (points.box.empty()) points.box = other.box;
+    const auto keep_equal = [](std::string& own, const std::string& more) {
+        if (own != more) own.clear();
+    };
+    keep_equal(points.length_unit, other.length_unit);
+    keep_equal(points.velocity_unit, other.velocity_unit);
     const auto same_names = [](const PointAttribute& a, const PointAttribute& b) {
         return a.name == b.name;
     };
@@ -79,6 +84,7 @@ void append(Points& points, const Points& other) {
         append_kept(own.value, more.value);
         if (more.unit < unit) multiply(own.value, count, more.unit / unit);
         own.unit = unit;
+        keep_equal(own.unit_name, more.unit_name);
     }
 }
 
@@ -129,6 +135,16 @@ SmoothingRadius smoothing_radius(const Points& points) {
                                        {"SmoothingLengths", 1.825742}})
         if (find_attribute(points, name)) return {name, factor};
     return {};
+}
+
+std::string point_value_unit(const Points& points, const std::string& name) {
+    if (name == "count") return "1";
+    if (name == "speed" && !points.velocity.empty()) return points.velocity_unit;
+    const PointAttribute* attribute =
+        name == "speed" ? speed_attribute(points) : find_attribute(points, name);
+    if (!attribute || attribute->unit_name.empty()) return {};
+    return attribute->unit == 1 ? attribute->unit_name
+                                : fmt::format("{:g} {}", attribute->unit, attribute->unit_name);
 }
 
 void require_values(const Points& points, const std::string& name, const BigVector<float>& values) {

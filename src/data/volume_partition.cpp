@@ -71,6 +71,7 @@ Volume nodes_where(const Volume& volume, const NodeChoice& selected) {
     some.world_from_index = volume.world_from_index;
     some.name = volume.name;
     some.source = volume.source;
+    some.units = volume.units;
     for (const Leaf& leaf : volume.leaves)
         if (selected(leaf.origin, kLeafEdge)) some.leaves.push_back(leaf);
     for (const Tile& tile : volume.tiles)
@@ -88,6 +89,7 @@ Volume part_of(const Volume& volume, const VolumePart& part) {
     some.world_from_index = volume.world_from_index;
     some.name = volume.name;
     some.source = volume.source;
+    some.units = volume.units;
     for (const std::uint32_t n : nodes_of(nodes, part)) {
         if (n < volume.leaves.size())
             some.leaves.push_back(volume.leaves[n]);

@@ -54,6 +54,8 @@ inline void put_description(nlohmann::ordered_json& json, const Gaussians& model
         json["up"] = vector_json(standing.up);
         if (standing.front != Vec3d{}) json["front"] = vector_json(standing.front);
     }
+    if (const Units& units = model.content.units; units != Units{})
+        json["units"] = {{"length", units.length}, {"density", units.density}};
     for (const Vec3d& point : model.content.hull) json["hull"].push_back(vector_json(point));
 }
 /// Sets cutoff, origin, texts, box and content.
@@ -68,6 +70,8 @@ inline void take_description(const nlohmann::ordered_json& json, Gaussians& mode
     if (json.contains("voxels")) model.content.voxels = box_from(json["voxels"]);
     if (json.contains("up")) model.content.standing.up = vector_of(json["up"]);
     if (json.contains("front")) model.content.standing.front = vector_of(json["front"]);
+    if (json.contains("units"))
+        model.content.units = {json["units"].at("length"), json["units"].at("density")};
     if (json.contains("hull"))
         for (const auto& point : json["hull"]) model.content.hull.push_back(vector_of(point));
 }

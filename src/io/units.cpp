@@ -1,10 +1,15 @@
 // units.cpp: names of units, and products of them.
 #include "vog/units.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace vog {
 
@@ -108,9 +113,23 @@ bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '%' || (c & 0x80);
 }
 
-std::optional<Product> parsed(const std::string& given) {
+/// A product of names as a text has them, in its order.
+struct Names {
+    double number = 1;
+    std::vector<std::pair<std::string, int>> power;
+
+    void multiply(const std::string& name, int exponent) {
+        const auto at = std::ranges::find(power, name, &std::pair<std::string, int>::first);
+        if (at == power.end())
+            power.emplace_back(name, exponent);
+        else if ((at->second += exponent) == 0)
+            power.erase(at);
+    }
+};
+
+std::optional<Names> names_in(const std::string& given) {
     const std::string text = plain(given);
-    Product all;
+    Names all;
     int sign = 1;
     std::size_t at = 0;
     while (at < text.size()) {
@@ -124,7 +143,7 @@ std::optional<Product> parsed(const std::string& given) {
             const auto [stop, code] =
                 std::from_chars(text.data() + at, text.data() + text.size(), number);
             if (code != std::errc{} || !(number > 0)) return {};
-            all.factor *= std::pow(number, sign);
+            all.number *= std::pow(number, sign);
             sign = 1;
             at = static_cast<std::size_t>(stop - text.data());
             continue;
@@ -141,9 +160,17 @@ std::optional<Product> parsed(const std::string& given) {
             std::from_chars(text.data() + at, text.data() + text.size(), exponent);
         if (code == std::errc{}) at = static_cast<std::size_t>(stop - text.data());
         if (std::abs(exponent) > 9) return {};
-        all.multiply(unit_named(name), sign * exponent);
+        all.multiply(name, sign * exponent);
         sign = 1;
     }
+    return all;
+}
+
+std::optional<Product> parsed(const std::string& text) {
+    const std::optional<Names> names = names_in(text);
+    if (!names) return {};
+    Product all{names->number, {}};
+    for (const auto& [name, exponent] : names->power) all.multiply(unit_named(name), exponent);
     if (all.power.empty()) return {};
     return all;
 }
@@ -155,6 +182,23 @@ std::optional<double> unit_factor(const std::string& from, const std::string& to
     const std::optional<Product> a = parsed(from), b = parsed(to);
     if (!a || !b || a->power != b->power) return {};
     return a->factor / b->factor;
+}
+
+std::string unit_product(const std::string& a, const std::string& b, int power) {
+    if (a.empty() || b.empty()) return {};
+    std::optional<Names> all = names_in(a);
+    const std::optional<Names> more = names_in(b);
+    if (!all || !more) return power == 1 ? a + " " + b : "";
+    all->number *= std::pow(more->number, power);
+    for (const auto& [name, exponent] : more->power) all->multiply(name, power * exponent);
+    std::string text;
+    if (all->number != 1) text = fmt::format("{:.7g}", all->number);
+    for (const auto& [name, exponent] : all->power) {
+        const char* before = exponent < 0 ? "/" : text.empty() ? "" : " ";
+        text = fmt::format("{}{}{}", exponent < 0 && text.empty() ? "1" : text, before, name);
+        if (std::abs(exponent) != 1) text += fmt::format("{}", std::abs(exponent));
+    }
+    return text;
 }
 
 }  // namespace vog

@@ -30,4 +30,14 @@ TEST(units, products_convert_and_names_that_are_not_known_are_units_of_their_own
     EXPECT_EQ(unit_factor("$", "$"), 1) << "equal texts need no meaning";
 }
 
+TEST(units, products_collect_names_in_their_order) {
+    EXPECT_EQ(unit_product("g/cm3", "kpc"), "g/cm3 kpc");
+    EXPECT_EQ(unit_product("Msun/kpc3", "kpc"), "Msun/kpc2");
+    EXPECT_EQ(unit_product("1", "0.5 kpc", -3), "8/kpc3");
+    EXPECT_EQ(unit_product("km/s", "0.5 kpc", 1), "0.5 km/s kpc");
+    EXPECT_EQ(unit_product("$ a", "mm"), "$ a mm") << "no product";
+    EXPECT_EQ(unit_product("$ a", "mm", -3), "");
+    EXPECT_EQ(unit_product("", "mm"), "");
+}
+
 }  // namespace vog

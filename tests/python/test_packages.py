@@ -1,5 +1,6 @@
 """Data of other packages: readers without them say what to install; VTK, xarray, yt where they are."""
 import os
+import pickle
 import re
 import shutil
 import subprocess
@@ -166,6 +167,31 @@ def test_yt_lengths_convert_in_every_direction():
     assert header["CRVAL2"] == pytest.approx(0, abs=1e-9) and "code" not in header["BUNIT"]
     with pytest.raises(vog.Error, match="width"):
         vog.projection(levels, width=(16, "g"))
+
+
+def test_pictures_and_files_of_models_know_the_units_of_a_data_set(tmp_path):
+    """vog.render converts as vog.projection does, of voxels, of a model and of its file; other labels are refused."""
+    yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
+    ds = yt.load_uniform_grid({"density": (np.full((8, 8, 8), 2.0), "g/cm**3")}, (8, 8, 8), length_unit=(16, "Mpc"))
+    levels = vog.from_yt(ds, "density", unit="g/cm**3")
+    camera = vog.Camera((0.5, 0.5, 3), (0.5, 0.5, 0.5), (0, 1, 0), orthographic_width=0.5)
+    model = vog.convert(levels, block=1)
+    model.save(tmp_path / "m.ply")
+    expected = 2 * 16 * 3.0856775814913673e24  # g / cm2
+    for data in (levels, model, vog.Gaussians.load(tmp_path / "m.ply"), pickle.loads(pickle.dumps(model))):
+        picture = vog.render(data, camera, 8, show="column", units="g/cm2")
+        assert picture.values.mean() == pytest.approx(expected, rel=0.02), data
+        with pytest.raises(vog.Error, match="the data are in"):
+            vog.render(data, camera, 8, show="column", units="K")
+    read = vog.Gaussians.load(tmp_path / "m.ply")
+    assert vog.units_of(read) == ("g/cm**3", "16 Mpc")
+    found = vog.projection(read, resolution=8, width=(8, "Mpc"), unit="g/cm2")
+    assert found.extent == pytest.approx((0.25, 0.75, 0.25, 0.75))
+    assert found.array.mean().value == pytest.approx(expected, rel=0.02)
+    header = vog.projection(read, resolution=8, width=(8, "Mpc")).header()
+    assert header["CUNIT1"] == "Mpc" and header["CDELT1"] == pytest.approx(1, rel=1e-6)
+    units = pytest.importorskip("astropy.units", reason="needs astropy (pip install astropy)")
+    assert units.Unit(header["BUNIT"], format="fits") == units.Unit("g Mpc / cm3")
 
 
 def test_pyvista_wraps():

@@ -55,6 +55,8 @@ def test_volumes_have_the_units_of_their_files(tmp_path):
         for data in (vog.Volume.load(tmp_path / "a.raw"), vog.Volume.load(file=str(tmp_path / "a.raw")),
                      vog.Levels.load([tmp_path / "a.raw"]), vog.Levels.load(tmp_path / "a.raw")):
             assert vog.units_of(data) == (density, "um")
+        vog.convert(vog.Volume.load(tmp_path / "a.raw", clip_negative=True), block=4).save(tmp_path / "a.ply")
+        assert vog.units_of(vog.Gaussians.load(tmp_path / "a.ply")) == (density, "um"), "models keep them"
     assert vog.units_of(vog.Volume.load(tmp_path / "a.raw", mask=True)) == (None, "um")
     vog.sample_cloud(64).save(tmp_path / "c.vdb")
     assert vog.units_of(vog.Volume.load(tmp_path / "c.vdb")) == (None, None)

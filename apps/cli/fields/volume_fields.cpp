@@ -6,7 +6,6 @@
 
 #include "options/field_options.h"
 #include "vog/distributed.h"
-#include "vog/scan_io.h"
 #include "vog/text.h"
 #include "vog/volume_io.h"
 
@@ -102,7 +101,6 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
             if (same_grid(source, from) && !given.ones) {
                 fields.push_back(
                     measure_field(volume, source.name.empty() ? "density" : source.name));
-                fields.back().unit = volume_head(from.file, from.grid).value_unit;
                 continue;
             }
             FieldCoverage one;

@@ -295,6 +295,9 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
     ResolvedPicture picture = resolve(request, inputs.scene);
+    if (picture.unit_is_label && ranks.is_root)
+        print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",
+                                 arguments.drawing.inputs.front(), picture.name, request.unit)});
     if (request.show == Show::volume && ranks.is_root) {
         const std::vector<std::string> notes = transfer_notes(request, picture);
         print_notes(notes);

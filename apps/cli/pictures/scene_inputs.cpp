@@ -10,7 +10,6 @@
 #include "shared/terminal.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
-#include "vog/scan_io.h"
 #include "vog/text.h"
 
 namespace vog::cli {
@@ -253,10 +252,6 @@ SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& 
             const std::size_t part = is_by_value(request.show) ? 0 : part_length(request.field);
             inputs.field += request.field.substr(request.field.size() - part);
         }
-        const VolumeHead head = volume_head(input, arguments.volume.grid);
-        inputs.scene.length_unit = head.length_unit;
-        if (!head.value_unit.empty() && !head.length_unit.empty())
-            inputs.scene.column_unit = head.value_unit + " " + head.length_unit;
     }
     return inputs;
 }

@@ -23,6 +23,7 @@
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/periodic.h"
+#include "vog/units.h"
 
 namespace vog {
 
@@ -319,8 +320,10 @@ std::string option_text(const PointJob& job) {
     return text;
 }
 
-/// Sets source, count and content of particles.
+/// Sets source, count, content and units of particles.
 void describe(Gaussians& model, const Points& points, const std::string& value) {
+    const std::string& length = points.length_unit;
+    model.content.units = {length, unit_product(point_value_unit(points, value), length, -3)};
     model.content.hull = subject_of(model).content.hull;
     model.source_voxels = points.size();
     model.source = std::filesystem::path(points.source).filename().string();

@@ -90,6 +90,10 @@ std::vector<ParticleValues> particle_values(const Points& points,
                                     points.source.empty() ? "points" : points.source, values.name));
         if (!attribute_of(points, field.values))
             values.component = vector_values(points, field.values);
+        const PointAttribute* const part = attribute_of(points, field.values + "_x");
+        values.unit = values.component.empty() ? point_value_unit(points, field.values)
+                      : part                   ? part->unit_name
+                                               : points.velocity_unit;
         if (values.component.empty())
             values.component.push_back(point_values(points, field.values));
         for (const BigVector<float>& component : values.component)
@@ -112,14 +116,14 @@ void add_particle_fields(Gaussians& model, const Points& points,
                 counts.add(values.component.front()[n], double{mass[n]});
                 keep_memory_at(n);
             }
-            ScalarField field{values.name,     {}, lower, upper, false,
-                              counts.spread(), {}, {},    {},    {}};
+            ScalarField field{values.name,     values.unit, lower, upper, false,
+                              counts.spread(), {},          {},    {},    {}};
             field.value.resize(size), field.gradient.resize(size);
             field.deviation.resize(size), field.skewness.resize(size);
             scalar.emplace_back(&values, model.fields.scalar.size());
             model.fields.scalar.push_back(std::move(field));
         } else {
-            VectorField field{values.name, {}, lower, upper, {}, {}, {}};
+            VectorField field{values.name, values.unit, lower, upper, {}, {}, {}};
             field.value.resize(size), field.covariance.resize(size);
             for (auto& gradient : field.gradient) gradient.resize(size);
             vector.emplace_back(&values, model.fields.vector.size());

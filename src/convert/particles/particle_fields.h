@@ -16,7 +16,7 @@ struct Members {
 
 /// Values of one field, [components][particles].
 struct ParticleValues {
-    std::string name;
+    std::string name, unit;
     std::vector<BigVector<float>> component;  ///< 1: scalar, 3: vector
 };
 /// Finds the values of fields: `velocity`, a value of point_values, or three attributes NAME_x NAME_y NAME_z.

@@ -40,6 +40,7 @@ class LevelCut {
             volume->world_from_index = level_.world_from_index;
             volume->name = level_.name;
             volume->source = level_.source;
+            volume->units = level_.units;
         }
         // Piece j of n along an edge has the level's index (j + 1/2)/n - 1/2.
         Affine& map = part.pieces.world_from_index;

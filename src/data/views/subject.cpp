@@ -300,6 +300,22 @@ Standing of_any(const Standing& own, const Collective& all) {
     return {vector(0), vector(6)};
 }
 
+/// Units of the data of any process, likewise.
+Units of_any(const Units& own, const Collective& all) {
+    constexpr std::size_t kMostLetters = 64;
+    std::array<double, 2 * kMostLetters> letters{};
+    std::ranges::copy(own.length.substr(0, kMostLetters), letters.begin());
+    std::ranges::copy(own.density.substr(0, kMostLetters), letters.begin() + kMostLetters);
+    all.max(letters);
+    const auto text = [&](std::size_t first) {
+        std::string letters_of;
+        for (std::size_t n = first; n < first + kMostLetters && letters[n] > 0; ++n)
+            letters_of += static_cast<char>(letters[n]);
+        return letters_of;
+    };
+    return {text(0), text(kMostLetters)};
+}
+
 }  // namespace
 
 Box voxel_box(const Volume& volume) {
@@ -330,8 +346,10 @@ Content content_of(std::span<const Volume* const> volumes, const Box& box,
     for (const Volume* volume : volumes) {
         content.voxels.include(voxel_box(*volume));
         if (!content.standing.known()) content.standing = volume->standing;
+        if (content.units == Units{}) content.units = volume->units;
     }
     content.standing = of_any(content.standing, all);
+    content.units = of_any(content.units, all);
     if (!has_extent(box)) return content;
     MassLattice lattice(box);
     for (const Volume* volume : volumes) lattice.add(*volume);
@@ -344,6 +362,7 @@ Content content_of(std::span<const Volume* const> volumes, const Box& box,
 Subject joined(const Subject& part, const Collective& collective) {
     Subject all;
     all.content.standing = of_any(part.content.standing, collective);
+    all.content.units = of_any(part.content.units, collective);
     all.content.hull = joined(part.content.hull, collective);
     all.content.voxels = joined_box(part.content.voxels, collective);
     all.box = joined_box(part.box, collective);
@@ -355,7 +374,10 @@ Subject subject_of(const Gaussians& model, const Collective* collective) {
     const Box box = view_box(model);
     double unknown = model.content.hull.empty() && model.size() > 0 ? 1 : 0;
     all.sum(unknown);
-    Content content{joined_box(model.content.voxels, all), {}, of_any(model.content.standing, all)};
+    Content content{joined_box(model.content.voxels, all),
+                    {},
+                    of_any(model.content.standing, all),
+                    of_any(model.content.units, all)};
     if (unknown == 0) {
         content.hull = joined(model.content.hull, all);
     } else if (has_extent(box)) {

@@ -79,6 +79,7 @@ VoxelField measure_field(const Volume& volume, const std::string& name) {
     VoxelField field = with_range(
         volume, name, [](std::size_t, std::size_t, float) {}, [](float) {});
     field.component.resize(1);
+    field.unit = volume.units.density;
     return field;
 }
 

@@ -319,6 +319,8 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
             const auto v = numbers(file, name, value, 3);
             *direction = {v[0], v[1], v[2]};
         }
+    comment(header, "length_unit", model.content.units.length);
+    comment(header, "density_unit", model.content.units.density);
     if (comment(header, "source_voxels", value))
         model.source_voxels = count(file, "source_voxels", value);
     if (comment(header, "source", value)) model.source = value;
@@ -364,6 +366,9 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     for (const auto& [name, v] :
          {std::pair{"up", model.content.standing.up}, {"front", model.content.standing.front}})
         if (v != Vec3d{}) text += fmt::format("comment {} {} {} {}\n", name, v.x, v.y, v.z);
+    for (const auto& [name, unit] : {std::pair{"length_unit", model.content.units.length},
+                                     {"density_unit", model.content.units.density}})
+        if (!unit.empty()) text += fmt::format("comment {} {}\n", name, one_line(unit));
     if (!model.content.hull.empty()) {
         text += "comment hull";
         for (const Vec3d& p : model.content.hull) text += fmt::format(" {} {} {}", p.x, p.y, p.z);

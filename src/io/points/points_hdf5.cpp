@@ -3,6 +3,7 @@
 
 #include "io/file_extension.h"
 #include "io/points/points_files.h"
+#include "io/points/snapshot_units.h"
 #include "vog/error.h"
 #include "vog/text.h"
 
@@ -170,17 +171,21 @@ class Snapshot {
         return numbers[type];
     }
     /// Numbers in Header; none where the header lacks them.
-    std::vector<double> header(const char* name) const {
-        const Handle header(H5Gopen2(file_, "Header", H5P_DEFAULT), H5Gclose);
-        if (!header.good() || H5Aexists(header, name) <= 0) return {};
-        const Handle table(H5Aopen(header, name, H5P_DEFAULT), H5Aclose);
-        const Handle space(H5Aget_space(table), H5Sclose);
-        constexpr hssize_t kMostTypes = 64;
-        const hssize_t count = H5Sget_simple_extent_npoints(space);
-        if (count < 1 || count > kMostTypes) return {};
-        std::vector<double> numbers(static_cast<std::size_t>(count));
-        if (H5Aread(table, H5T_NATIVE_DOUBLE, numbers.data()) < 0) return {};
-        return numbers;
+    std::vector<double> header(const char* name) const { return numbers_of("Header", name); }
+    /// Unit of an array's numbers; empty: not known.
+    std::string unit_of(const Array& array) const {
+        const std::string path = group_name_ + "/" + array.name;
+        const AttributeReader own = [&](const char* name) { return first_number(path, name); };
+        const AttributeReader common = [&](const char* name) {
+            std::optional<double> found;
+            for (const char* group : {"Units", "Header", "Parameters"})
+                if (!found) found = first_number(group, name);
+            return found;
+        };
+        for (const char* name : {"units", "unit"})
+            if (const std::string text = text_of(path, name); !text.empty())
+                return printable(text, 40);
+        return snapshot_unit(array.name, own, common);
     }
     SnapshotPart part() const {
         constexpr double kHighWord = 4294967296.0;
@@ -190,6 +195,43 @@ class Snapshot {
     }
 
   private:
+    /// Numbers of an attribute of a group or an array; none: it has none.
+    std::vector<double> numbers_of(const std::string& object, const char* name) const {
+        const Handle table(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Aclose);
+        if (!table.good()) return {};
+        const Handle space(H5Aget_space(table), H5Sclose);
+        constexpr hssize_t kMostTypes = 64;
+        const hssize_t count = H5Sget_simple_extent_npoints(space);
+        if (count < 1 || count > kMostTypes) return {};
+        std::vector<double> numbers(static_cast<std::size_t>(count));
+        if (H5Aread(table, H5T_NATIVE_DOUBLE, numbers.data()) < 0) return {};
+        return numbers;
+    }
+    std::optional<double> first_number(const std::string& object, const char* name) const {
+        const std::vector<double> numbers = numbers_of(object, name);
+        if (numbers.size() != 1 || !std::isfinite(numbers[0])) return {};
+        return numbers[0];
+    }
+    /// Text of an attribute, of fixed or any length; empty: it has none.
+    std::string text_of(const std::string& object, const char* name) const {
+        const Handle table(H5Aopen_by_name(file_, object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Aclose);
+        if (!table.good()) return {};
+        const Handle type(H5Aget_type(table), H5Tclose), space(H5Aget_space(table), H5Sclose);
+        constexpr std::size_t kMostLetters = 256;
+        if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1) return {};
+        if (H5Tis_variable_str(type) > 0) {
+            char* text = nullptr;
+            if (H5Aread(table, type, &text) < 0 || !text) return {};
+            std::string copy = text;
+            H5free_memory(text);
+            return copy;
+        }
+        std::string text(H5Tget_size(type), '\0');
+        if (text.size() > kMostLetters || H5Aread(table, type, text.data()) < 0) return {};
+        return text.substr(0, text.find('\0'));
+    }
     void open(const std::string& type) {
         group_name_ = type;
         group_.emplace(H5Gopen2(file_, type.c_str(), H5P_DEFAULT), H5Gclose);
@@ -269,7 +311,8 @@ PointAttribute attribute_of(const Snapshot& snapshot, const Array& array) {
             numbers[n] = length(Vec3d{numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]});
         if (std::isfinite(numbers[n])) largest = std::max(largest, std::abs(numbers[n]));
     }
-    PointAttribute attribute{printable(array.name), {}, float_unit(largest)};
+    PointAttribute attribute{
+        printable(array.name), {}, float_unit(largest), snapshot.unit_of(array)};
     resize_kept(attribute.value, array.rows);
     for (std::size_t n = 0; n < array.rows; ++n)
         attribute.value[n] = float_of(numbers[n], attribute.unit);
@@ -296,6 +339,7 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
     static_assert(sizeof(Vec3d) == 3 * sizeof(double));
     resize_kept(points.position, place->rows);
     snapshot.read(*place, H5T_NATIVE_DOUBLE, points.position.data());
+    points.length_unit = snapshot.unit_of(*place);
     bool has_mass = false;
     for (const Array& array : snapshot.arrays()) {
         // Numbers of particles are no quantity.
@@ -307,6 +351,7 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
         if (array.name == "Velocities" && array.components == 3) {
             resize_kept(points.velocity, place->rows);
             snapshot.read(array, H5T_NATIVE_FLOAT, points.velocity.data());
+            points.velocity_unit = snapshot.unit_of(array);
             continue;
         }
         has_mass |= array.name == "Masses";
@@ -314,8 +359,8 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
     }
     if (const double mass = has_mass ? 0 : snapshot.stated("MassTable").value_or(0); mass > 0) {
         const double unit = float_unit(mass);
-        points.attributes.push_back(
-            {"Masses", BigVector<float>(place->rows, float_of(mass, unit)), unit});
+        points.attributes.push_back({"Masses", BigVector<float>(place->rows, float_of(mass, unit)),
+                                     unit, snapshot.unit_of({.name = "Masses"})});
     }
     return points;
 }

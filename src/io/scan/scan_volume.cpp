@@ -106,6 +106,7 @@ Volume volume_of(const ScanGrid& grid, const BigVector<float>& value, const std:
     Volume volume;
     volume.world_from_index = grid.world_from_index;
     volume.standing = grid.standing;
+    volume.units = {grid.length_unit, options.ones || options.mask ? "" : grid.value_unit};
     volume.leaves.resize(kept.size());
     vog::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
         Leaf& leaf = volume.leaves[i];

@@ -132,11 +132,12 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
     const ResolvedPicture& made = picture.made;
     const Marks& marks = made.request.marks;
     const Rgba background = made.request.shading.background;
+    const std::string& length_unit = scene.subject.content.units.length;
     if (marks.axes || marks.scale_bar)
-        draw_frame(picture.image,
-                   {made.camera(), outline_of(scene.subject), scene.length_unit, marks.axes,
-                    marks.scale_bar},
-                   background);
+        draw_frame(
+            picture.image,
+            {made.camera(), outline_of(scene.subject), length_unit, marks.axes, marks.scale_bar},
+            background);
     if (!marks.color_bar && marks.title.empty()) return;
     const Show show = made.request.show;
     const std::string label = show == Show::depth ? quantity_label(show, {}, made.unit)
@@ -147,7 +148,7 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
     // Axes have the coordinates already.
     if (marks.color_bar && !marks.axes)
         around.sides =
-            side_ticks(made.camera(), picture.image.width, picture.image.height, scene.length_unit);
+            side_ticks(made.camera(), picture.image.width, picture.image.height, length_unit);
     picture.image = annotated(picture.image, colors, picture.scale, around, background);
 }
 

@@ -184,8 +184,9 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
         request.camera = default_view(request.marks.axes ? with_axes(scene.subject) : scene.subject,
                                       request.width, request.height);
     const Show show = request.show;
+    const Units& units = scene.subject.content.units;
     picture.name = show == Show::depth ? "T" : scene.column;
-    std::string stated = show == Show::column ? scene.column_unit : "";
+    std::string stated = show == Show::column ? unit_product(units.density, units.length) : "";
     if (is_field_map(show) || is_by_value(show)) {
         const Fields fields = names_of(scene);
         picture.field = field_of(request, scene, fields);
@@ -195,6 +196,7 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     }
     picture.unit = request.unit.empty() ? stated : request.unit;
     picture.factor = factor_between(stated, request.unit);
+    picture.unit_is_label = stated.empty() && !request.unit.empty();
     picture.request = std::move(request);
     TransferRequest& transfer = picture.request.transfer;
     if (transfer.points.points.color.empty() && !transfer.window && transfer.bands.empty())

@@ -5,12 +5,19 @@
 #include <hdf5.h>
 #endif
 
+#include <map>
+#include <optional>
 #include <span>
 
+#include "io/points/snapshot_units.h"
 #include "io/scan/scan_files.h"
 #include "support/data.h"
 #include "support/image_bytes.h"
 #include "support/refusal.h"
+#include "vog/convert_points.h"
+#include "vog/error.h"
+#include "vog/model_io.h"
+#include "vog/picture.h"
 #include "vog/points.h"
 
 namespace vog::test {
@@ -116,6 +123,86 @@ TEST(points_hdf5, gas_is_meant_among_several_types_and_noted) {
     const Points points = read_points(dir / "s.hdf5", {.grid = "PartType1"});
     EXPECT_EQ(points.position.at(0), (Vec3d{7, 8, 9}));
     EXPECT_EQ(point_values(points, "Masses")[0], 5);
+}
+
+TEST(points_hdf5, units_of_a_snapshot_convert_and_stay_with_the_model) {
+    const TempDir dir;
+    const hid_t handle =
+        H5Fcreate((dir / "s.hdf5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    constexpr double kKpc = 3.085678e21, kMass = 1.989e43, kSpeed = 1e5, kHubble = 0.7,
+                     kScale = 0.5;
+    put_head(handle, {{"MassTable", {0.25, 0, 0, 0, 0, 0}},
+                      {"UnitLength_in_cm", {kKpc}},
+                      {"UnitMass_in_g", {kMass}},
+                      {"UnitVelocity_in_cm_per_s", {kSpeed}},
+                      {"HubbleParam", {kHubble}},
+                      {"Redshift", {1}}});
+    const hid_t gas = H5Gcreate2(handle, "PartType0", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    put(gas, "Coordinates", {1, 2, 3, 4, 5, 6}, 2, 3);
+    put(gas, "Velocities", {0, 0, 1, 3, 4, 0}, 2, 3);
+    put(gas, "InternalEnergy", {10, 20}, 2, 1);
+    put(gas, "Metallicity", {0.1, 0.2}, 2, 1);
+    H5Gclose(gas);
+    H5Fclose(handle);
+    const Points points = read_points(dir / "s.hdf5");
+    EXPECT_EQ(points.length_unit, "0.7142858 kpc") << "0.5 / 0.7";
+    EXPECT_EQ(points.velocity_unit, "0.7071068 km/s") << "of sqrt(a)";
+    EXPECT_EQ(point_value_unit(points, "InternalEnergy"), "km2/s2");
+    EXPECT_EQ(point_value_unit(points, "Metallicity"), "");
+    EXPECT_EQ(point_value_unit(points, "Masses"), "1.428995e+10 Msun");
+
+    const Gaussians model =
+        convert_points(points, {.value = "Masses", .radius = 1, .fields = {{"velocity"}}});
+    EXPECT_EQ(model.fields.vector.at(0).unit, "0.7071068 km/s");
+    for (const char* name : {"m.ply", "m.vogz"}) {
+        write_model(dir / name, model);
+        const Gaussians back = read_model(dir / name);
+        EXPECT_EQ(back.content.units, model.content.units) << name;
+        PictureRequest request;
+        request.show = Show::column;
+        const Scene scene = scene_of(back);
+        EXPECT_NE(resolve(request, scene).unit.find("Msun/kpc2"), std::string::npos);
+        request.unit = "g/cm2";
+        const double length = kKpc * kScale / kHubble, mass = kMass / kHubble;
+        constexpr double kDigits = 1e-5;  // seven in each text, of a length to the third power
+        EXPECT_NEAR(resolve(request, scene).factor / (mass / (length * length)), 1, kDigits);
+        request.unit = "K";
+        EXPECT_THROW((void)resolve(request, scene), Error);
+    }
+}
+
+TEST(points_hdf5, units_of_arrays_are_those_that_their_attributes_state) {
+    using Numbers = std::map<std::string, double>;
+    const auto unit = [](const char* array, const Numbers& own, const Numbers& common) {
+        const auto reader = [](const Numbers& from) {
+            return [&from](const char* name) {
+                const auto at = from.find(name);
+                return at == from.end() ? std::nullopt : std::optional(at->second);
+            };
+        };
+        return point_files::snapshot_unit(array, reader(own), reader(common));
+    };
+    const Numbers swift{{"Unit length in cgs (U_L)", 3.08567758e24},
+                        {"Unit mass in cgs (U_M)", 1.98841e43},
+                        {"Unit time in cgs (U_t)", 3.08567758e19},
+                        {"Redshift", 1}};
+    EXPECT_EQ(unit("Coordinates", {}, swift), "0.5 Mpc");
+    const char* const physical =
+        "Conversion factor to physical CGS (including cosmological corrections)";
+    EXPECT_EQ(unit("Pressures",
+                   {{"U_L exponent", -1},
+                    {"U_M exponent", 1},
+                    {"U_t exponent", -2},
+                    {physical, 1.98841e43 / (3.08567758e24 * 3.08567758e19 * 3.08567758e19)}},
+                   swift),
+              "1e+10 Msun km2/s2/Mpc3");
+    const Numbers arepo{
+        {"UnitLength_in_cm", 3.08567758e21}, {"UnitMass_in_g", 1.98841e43}, {"HubbleParam", 0.5}};
+    EXPECT_EQ(unit("StarFormationRate", {{"mass_scaling", 1}, {"length_scaling", 0}}, arepo),
+              "1e+10 Msun");
+    EXPECT_EQ(unit("Coordinates", {{"CGSConversionFactor", 3.08567758e24}}, arepo), "2000 kpc");
+    EXPECT_EQ(unit("Velocities", {}, arepo), "") << "no unit of velocity";
+    EXPECT_EQ(unit("Abundance", {}, arepo), "");
 }
 
 namespace {

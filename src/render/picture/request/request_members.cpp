@@ -91,7 +91,7 @@ std::vector<Entry> quantity_entries() {
           kQuantity,
           "UNIT",
           "Unit of the shown quantity: numbers convert to it where the data state theirs (fields, "
-          "dense images with units of values and lengths), else it is a text for the colour bar "
+          "dense images, snapshots, models of them), else it is a text for the colour bar "
           "and the report, such as 'g/cm2'; default: the data's",
           "",
           {},
