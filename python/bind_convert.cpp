@@ -150,6 +150,19 @@ std::optional<Box> take_period(Options& options) {
     return box_of_numbers(std::span(row.data(), static_cast<std::size_t>(row.size())));
 }
 
+/// Box of `periodic` for voxels.
+std::optional<Box> period_of(const py::object& data, Options& options) {
+    std::optional<Box> period = take_period(options);
+    if (period && period->empty())
+        period = py::isinstance<Volume>(data) ? domain_box({&data.cast<const Volume&>(), 1})
+                                              : domain_box(levels_of(data)->volumes);
+    if (period && period->empty())
+        throw Error(
+            "convert: periodic: the coarsest cells do not fill a box, so the data do not state the "
+            "domain, expected an edge, three edges or two corners");
+    return period;
+}
+
 /// Takes `smoothing`, the name of an attribute or an array, which becomes one of a copy of the particles.
 void take_smoothing(Options& options, PointOptions& chosen, Points& copy, const Points& points) {
     const py::object given = options.take("smoothing");
@@ -263,9 +276,11 @@ Model for_fields(const py::object& data, const MomentOptions& moments, FieldOpti
 Model by_moments(const py::object& data, Options& options, const py::object& progress,
                  const py::object& report_dict, const py::object& fields) {
     FieldOptions field_options;
+    field_options.periodic = period_of(data, options);
     options.take("joint_field", field_options.joint_field);
     options.take_positive("joint_steps", field_options.joint_steps);
-    const MomentOptions given = moment_options(options);
+    MomentOptions given = moment_options(options);
+    given.periodic = field_options.periodic;
     const bool fits = !field_options.joint_field.empty();
     options.require("joint_steps", fits, "without joint_field");
     if (fits && no_fields(fields))
@@ -276,7 +291,12 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
     const SampledFields sampled = sampled_fields(data, fields, "convert");
     const bool cut_follows = !moments.block_voxels && !no_fields(fields);
     moments.progress = fits || cut_follows ? whole : between(whole, 0, converted(fields));
-    if (fits || cut_follows) return for_fields(data, moments, field_options, sampled, report_dict);
+    const auto with_images = [&](Model model) {
+        if (field_options.periodic) add_periodic_images(*model, *field_options.periodic);
+        return model;
+    };
+    if (fits || cut_follows)
+        return with_images(for_fields(data, moments, field_options, sampled, report_dict));
     MomentReport report;
     Model model;
     if (py::isinstance<Volume>(data)) {
@@ -294,7 +314,7 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
     field_options.cells = report.cells;
     field_options.progress = between(whole, converted(fields), 1);
     add(sampled, field_options, *model);
-    return model;
+    return with_images(model);
 }
 
 Model by_paper(const py::object& data, Options& options, const py::object& progress,
@@ -379,17 +399,7 @@ Model convert(const py::object& data, const std::string& method, const py::objec
     if (!py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, "convert", "a Volume, Levels, a list of Volumes or Points");
     if (method == "paper") return by_paper(data, options, progress, fields);
-    std::optional<Box> period = take_period(options);
-    if (period && period->empty())
-        period = py::isinstance<Volume>(data) ? domain_box({&data.cast<const Volume&>(), 1})
-                                              : domain_box(levels_of(data)->volumes);
-    if (period && period->empty())
-        throw Error(
-            "convert: periodic: the coarsest cells do not fill a box, so the data do not state the "
-            "domain, expected an edge, three edges or two corners");
-    const Model model = by_moments(data, options, progress, report, fields);
-    if (period) add_periodic_images(*model, *period);
-    return model;
+    return by_moments(data, options, progress, report, fields);
 }
 
 }  // namespace

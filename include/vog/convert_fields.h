@@ -43,6 +43,7 @@ struct FieldOptions {
     std::string joint_field{};
     int joint_steps = kJointSteps;        ///< 1 to 1000; used with joint_field
     JointReport* joint_report = nullptr;  ///< receives the errors; null: they are not measured
+    std::optional<Box> periodic{};        ///< MomentOptions::periodic
     Progress progress{};                  ///< called with the finished fraction; empty: not
 };
 

@@ -69,6 +69,10 @@ struct MomentOptions {
     bool measure = false;       ///< report the measured error of a uniform cut or a budget too
     /// Gaussians::origin, world units. None: model_origin of the data's box. For parts of one model.
     std::optional<Vec3d> origin{};
+    /// Periodic box, world units: cells share voxels across its faces, and errors are those of the model with its images,
+    /// which the caller adds (vog/periodic.h). Windows of overlapping cells cross the faces where these lie between leaves;
+    /// elsewhere cells are hard before soft steps. None: open.
+    std::optional<Box> periodic{};
     /// Processes that each hold a part of the volume (vog/distributed.h). Only for block_voxels
     /// with soft_steps 0, without refinement and measure; parts must be aligned to cells, then the
     /// union of the results equals the single-process model. Null: a single process.

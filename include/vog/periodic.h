@@ -13,6 +13,8 @@
 
 namespace vog {
 
+struct Collective;
+
 /// Box of 1, 3 or 6 numbers: an edge or the edges from 0, or the lower and the upper corner, world units.
 /// throws  vog::Error for another count, and for edges that are not finite and above 0
 Box box_of_numbers(std::span<const double> numbers);
@@ -22,9 +24,11 @@ void wrap(Points& points, const Box& box);
 
 /// Box of the domain of a mesh: that of its coarsest volume, where all of its cells are active; empty for other data, whose
 /// active voxels do not state where the domain ends.
-Box domain_box(std::span<const Volume> volumes);
+/// collective  processes that hold other parts of the volumes; null: a single process
+Box domain_box(std::span<const Volume> volumes, const Collective* collective = nullptr);
 
-/// Appends the images of Gaussians that cross a face, and states the box in model.box and model.options.
+/// Adds the images of Gaussians that cross a face, each behind its Gaussian, and states the box in model.box and
+/// model.options. Parts of a model that are joined afterwards are the whole with its images.
 /// throws  vog::Error for a Gaussian wider than the box
 void add_periodic_images(Gaussians& model, const Box& box);
 /// Option of `vog convert` by which a model's header states its box.

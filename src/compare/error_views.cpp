@@ -15,6 +15,7 @@
 #include "render/splat/splat.h"
 #include "shade/named_extinction.h"
 #include "vog/error.h"
+#include "vog/periodic.h"
 #include "vog/shade.h"
 
 namespace vog {
@@ -165,7 +166,8 @@ bool ErrorViews::set_reference(std::span<const Volume> parts) {
     return seen * kFactor > mass_of_parts && seen < kFactor * mass_of_parts;
 }
 
-ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) {
+ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box, std::optional<Box> period)
+    : period_(period) {
     const Box seen = error_view_box(parts, box);
     cameras_ = error_views(parts, box);
     radius_ = seen.radius();
@@ -202,7 +204,10 @@ ErrorViews::ErrorViews(const Gaussians& finest) {
 
 template <class Take>
 void ErrorViews::for_each_picture(const Gaussians& model, const Take& take) const {
-    SplatRenderer renderer(model);
+    std::optional<Gaussians> with_images;
+    if (period_) add_periodic_images(with_images.emplace(model), *period_);
+    SplatRenderer renderer(with_images ? *with_images : model);
+    if (period_) renderer.set_clip(inside_period({}, *with_images));
     DepthImage image;
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
         renderer.render(cameras_[view], kSize_px, kSize_px, image);

@@ -1,6 +1,7 @@
 // error_views.h: errors of a model over views around the data: relative L2 of T, visible error.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -70,9 +71,10 @@ class ErrorViews {
     /// than pixels, of the blocks of 128^3 voxels with the most mass.
     /// parts   their T add up
     /// box     of the whole data, world space: frames the views
+    /// period  periodic box: models are drawn with their images, inside the box; none: open
     /// throws  vog::Error if no view shows anything
     /// memory  half of the largest part's, during construction
-    ErrorViews(std::span<const Volume> parts, const Box& box);
+    ErrorViews(std::span<const Volume> parts, const Box& box, std::optional<Box> period = {});
     /// Views of a model, the finest of the data.
     explicit ErrorViews(const Gaussians& finest);
     RelativeError relative_l2(const Gaussians& model) const;
@@ -101,6 +103,7 @@ class ErrorViews {
     /// Visible error of one pixel.
     double squared_error(double t, double reference) const;
 
+    std::optional<Box> period_;
     std::vector<Camera> cameras_;
     std::vector<CroppedDepth> reference_;
     double extinction_ = 1, radius_ = 0;

@@ -6,6 +6,8 @@
 
 #include "mpi_command.h"
 #include "vog/compare.h"
+#include "vog/dense.h"
+#include "vog/periodic.h"
 #include "vog/ply.h"
 #include "vog/volume_io.h"
 
@@ -58,6 +60,31 @@ TEST_F(mpi_convert, ranks_without_a_leaf_change_nothing) {
     expect_same_bytes(4, "leaf.vdb --soft-steps 0 --block 4");
     const auto [one, many] = both(4, "leaf.vdb --budget 12");
     EXPECT_LE(read_ply(dir_ / "many.ply").size(), 12u);
+}
+
+/// Images lie behind their Gaussians, so that those of the parts follow in the order of one process.
+TEST_F(mpi_convert, periodic_volumes_are_as_good_as_those_of_one_process) {
+    constexpr int kEdge = 32;
+    std::vector<float> value;
+    for (int n = 0; n < kEdge * kEdge * kEdge; ++n) {
+        double r2 = 0;  // of a clump in a corner
+        for (const int at : {n / (kEdge * kEdge), n / kEdge % kEdge, n % kEdge})
+            r2 += std::pow(std::min(at + 0.5, kEdge - at - 0.5), 2);
+        value.push_back(static_cast<float>(0.1 + 20 * std::exp(-r2 / 30)));
+    }
+    const DenseBlock block{value.data(), {kEdge, kEdge, kEdge}, {kEdge * kEdge, kEdge, 1}, {}};
+    const Volume volume = volume_from_dense({&block, 1});
+    write_vdb(dir_ / "p.vdb", volume);
+    expect_same_bytes(3, "p.vdb --soft-steps 0 --block 4 --periodic");
+    both(3, "p.vdb --budget 600 --mass-threshold 0 --periodic");
+    const Gaussians many = read_ply(dir_ / "many.ply");
+    EXPECT_EQ(periodic_box(many), world_box(volume));
+    EXPECT_NEAR(mass_without_images(many) / mass(volume), 1, 1e-6);
+    constexpr double kWorse = 1.25;  // as without a period
+    EXPECT_LE(distance("p.vdb", "many.ply"), kWorse * distance("p.vdb", "one.ply"));
+    must("sample cloud c.vdb --size 64");
+    must_fail_mpi(1, "-n 2 COMMAND convert c.vdb -o p.ply --budget 99 --periodic",
+                  "do not state the domain");
 }
 
 /// Overlapping cells, the default of vog convert, would need voxels of other parts.

@@ -27,6 +27,18 @@
 
 namespace vog::cli {
 
+std::optional<Box> period_of(const ConvertArguments& arguments, std::span<const Volume> volumes,
+                             const Collective* collective) {
+    std::optional<Box> period = period_of(arguments.points);
+    if (period && period->empty()) period = domain_box(volumes, collective);
+    if (period && period->empty())
+        throw Error(fmt::format(
+            "{}: the coarsest cells do not fill a box, so its active voxels do not state the "
+            "domain, expected --periodic EDGE, --periodic X,Y,Z or --periodic x0,y0,z0,x1,y1,z1",
+            arguments.inputs.front()));
+    return period;
+}
+
 namespace {
 
 /// Stage times as text: "octree 98 ms, search 1200 ms".
@@ -171,23 +183,14 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
-    if (ranks.convert_volumes && arguments.points.periodic)
-        throw UsageError(
-            "--periodic: volumes of a periodic box are converted by one process, expected vog "
-            "convert");
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
     LoadedVolumes set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
     print_notes(set.notes);
-    std::optional<Box> period = period_of(arguments.points);
-    if (period && period->empty()) period = domain_box(set.volumes);
-    if (period && period->empty())
-        throw Error(fmt::format(
-            "{}: the coarsest cells do not fill a box, so its active voxels do not state the "
-            "domain, expected --periodic EDGE, --periodic X,Y,Z or --periodic x0,y0,z0,x1,y1,z1",
-            arguments.inputs.front()));
+    const std::optional<Box> period = period_of(arguments, set.volumes);
+    moments.periodic = period;
     Composite mesh =
         set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
     std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
@@ -229,7 +232,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
         JointReport of_one;
         const double part_mass = set.is_mesh() ? volume_mass : mass(levels.front());
         add(convert_for_field_of(texts, levels, set.is_mesh() ? &mesh : nullptr, moments,
-                                 {{}, joint_field, arguments.joint_steps, &of_one}, one,
+                                 {{}, joint_field, arguments.joint_steps, &of_one, period}, one,
                                  field_notes),
             one, part_mass);
         if (moments.error > 0 && of_one.value_error > moments.error)
@@ -253,7 +256,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
     if (!arguments.no_fields && !own_alone && !carries)
         stages.run("fields", [&] {
             for (std::size_t n = 0; n < parts.size(); ++n)
-                add_fields_of(texts, {cells[n]},
+                add_fields_of(texts, {.cells = cells[n], .periodic = period},
                               set.is_mesh() ? std::span(volumes) : std::span(volumes).subspan(n, 1),
                               parts[n], field_notes);
         });

@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,6 +45,13 @@ struct VolumeConversion {
     MomentOptions moments;  ///< used by moments
     PaperOptions paper;     ///< used otherwise
 };
+
+/// Box of --periodic for volumes; that of their domain where the option states none. None: not given.
+/// volumes     all of them, or this process's parts
+/// collective  processes that hold the others; null: a single process
+/// throws      vog::Error where active voxels do not state the domain
+std::optional<Box> period_of(const ConvertArguments& arguments, std::span<const Volume> volumes,
+                             const Collective* collective = nullptr);
 
 /// Totals over the moment conversions of several volumes.
 struct MomentTotals {

@@ -19,6 +19,7 @@
 #include "inputs_part.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/periodic.h"
 
 namespace vog::mpi {
 
@@ -312,11 +313,12 @@ Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<
 }
 
 /// Reference images of the volumes of all inputs, to measure models against.
-WholeError error_of(const std::vector<InputPart>& parts, const Box& box, const Ranks& ranks) {
+WholeError error_of(const std::vector<InputPart>& parts, const Box& box,
+                    const std::optional<Box>& period, const Ranks& ranks) {
     std::vector<Volume> volumes;
     for (const InputPart& part : parts)
         volumes.insert(volumes.end(), part.volumes.begin(), part.volumes.end());
-    return {std::move(volumes), box, ranks};
+    return {std::move(volumes), box, period, ranks};
 }
 
 /// Uniform cells are hard unless soft steps are given: overlapping cells, the default of vog
@@ -361,6 +363,20 @@ std::optional<Affine> lattice_of(const VolumesPart& from, const Ranks& ranks) {
     return lattice;
 }
 
+/// Periodic box of --periodic, the same on every rank.
+std::optional<Box> common_period(const ConvertArguments& arguments, const VolumesPart& from,
+                                 const Ranks& ranks) {
+    if (!arguments.points.periodic) return {};
+    // This rank's parts of the levels of a mesh, or of the first volume.
+    std::vector<Volume> volumes;
+    for (std::size_t n = 0; n < from.sets.size(); ++n)
+        if (from.is_mesh())
+            volumes.push_back(from.sets[n].volumes.back());
+        else if (!from.sources.empty() && from.sources.front() == 0)
+            volumes.push_back(from.sets[n].volumes.front());
+    return cli::period_of(arguments, volumes, &ranks.collective());
+}
+
 }  // namespace
 
 ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeConversion& given,
@@ -371,6 +387,8 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
         return read_volumes_part(arguments.inputs, arguments.volume, ranks, align_voxels(options));
     });
     options.moments.origin = options.paper.origin = model_origin(from.box);
+    const std::optional<Box> period = common_period(arguments, from, ranks);
+    options.moments.periodic = period;
     ConvertedVolumes made;
     made.index_from_world = lattice_of(from, ranks);
     std::vector<InputPart> parts = stages.run("compose", [&] { return input_parts(from); });
@@ -397,7 +415,7 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     const bool searches = options.by_moments && !moments.block_voxels && !moments.budget;
     std::optional<WholeError> error;
     if (searches || (options.by_moments && moments.measure))
-        stages.run("reference", [&] { error.emplace(error_of(parts, from.box, ranks)); });
+        stages.run("reference", [&] { error.emplace(error_of(parts, from.box, period, ranks)); });
     stages.run("convert", [&] {
         model.inputs = searches ? conversion.search(parts, *error) : conversion.convert(parts);
         ranks.agree();
@@ -414,15 +432,19 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
                                                          kDefaultError, from.active_voxels);
         totals.stopped_by_count = searches && moments.error == 0 && beyond > kDefaultError;
     }
-    std::uint64_t count = 0;
-    for (const Gaussians& part : model.inputs) count += part.size();
-    count = ranks.sum(count);
     if (!arguments.no_fields && !fields) read_fields();
     if (fields)
         stages.run("fields", [&] {
-            add_part_fields(*fields, conversion.cells(), volumes, model);
+            add_part_fields(*fields, conversion.cells(), volumes, period, model);
             ranks.agree();
         });
+    if (period) {
+        for (Gaussians& part : model.inputs) add_periodic_images(part, *period);
+        add_periodic_images(model.description, *period);
+    }
+    std::uint64_t count = 0;
+    for (const Gaussians& part : model.inputs) count += part.size();
+    count = ranks.sum(count);
     if (arguments.volume.ones)
         model.description.options = "--measure volume " + model.description.options;
     if (options.by_moments)

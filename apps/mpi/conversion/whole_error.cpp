@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "vog/error.h"
+#include "vog/periodic.h"
 #include "vog/picture.h"
 
 namespace vog::mpi {
@@ -25,8 +26,9 @@ PictureRequest request_of(const Camera& camera) {
 
 }  // namespace
 
-WholeError::WholeError(std::vector<Volume> volumes, const Box& box, const Ranks& ranks)
-    : ranks_(ranks), cameras_(error_views(volumes, box, &ranks.collective())) {
+WholeError::WholeError(std::vector<Volume> volumes, const Box& box,
+                       const std::optional<Box>& period, const Ranks& ranks)
+    : ranks_(ranks), period_(period), cameras_(error_views(volumes, box, &ranks.collective())) {
     auto set = std::make_shared<VolumeSet>();
     set->volumes = std::move(volumes);
     PictureRenderer renderer = renderer_of(VoxelSource{std::move(set), {}});
@@ -45,6 +47,7 @@ RelativeError WholeError::of(const std::vector<Gaussians>& models) const {
     Gaussians model;
     for (const Gaussians& one : models)
         if (one.size() > 0) append(model, one);
+    if (period_) add_periodic_images(model, *period_);
     PictureRenderer renderer =
         renderer_of(ModelSource{std::make_shared<const Gaussians>(std::move(model))});
     return of([&](const Camera& camera) { return bare_depth(renderer, request_of(camera)); });

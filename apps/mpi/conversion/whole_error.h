@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "ranks.h"
@@ -18,7 +19,9 @@ class WholeError {
   public:
     /// volumes  of this rank; their T add up
     /// box      of the whole data, world space: frames the views
-    WholeError(std::vector<Volume> volumes, const Box& box, const Ranks& ranks);
+    /// period   periodic box: models are drawn with their images, inside the box; none: open
+    WholeError(std::vector<Volume> volumes, const Box& box, const std::optional<Box>& period,
+               const Ranks& ranks);
     /// models   of this rank
     /// returns  the same on every rank
     /// throws   vog::Error, on every rank, if no view shows anything
@@ -31,6 +34,7 @@ class WholeError {
     RelativeError of(const std::function<DepthImage(const Camera&)>& picture_of) const;
 
     const Ranks& ranks_;
+    std::optional<Box> period_;
     std::vector<Camera> cameras_;
     std::vector<DepthImage> references_;  ///< on the first rank: T of the whole volume
     RelativeError interpolation_;

@@ -127,11 +127,12 @@ PartFields read_part_fields(const cli::ConvertArguments& arguments,
 }
 
 void add_part_fields(const PartFields& fields, std::span<const std::optional<UniformCells>> cells,
-                     std::span<std::vector<Volume>* const> volumes, SharedModel& model) {
+                     std::span<std::vector<Volume>* const> volumes,
+                     const std::optional<Box>& period, SharedModel& model) {
     for (std::size_t n = 0; n < volumes.size(); ++n)
         if (!volumes[n]->empty())
             add_fields(model.inputs[n], *volumes[n], fields.values[n],
-                       {fields.divided[n] ? std::nullopt : cells[n]});
+                       {.cells = fields.divided[n] ? std::nullopt : cells[n], .periodic = period});
     model.description.fields = fields.described;
     const auto set_spread = [&](Fields& of) {
         for (ScalarField& field : of.scalar) field.spread = fields.spreads.at(field.name);

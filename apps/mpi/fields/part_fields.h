@@ -33,7 +33,9 @@ PartFields read_part_fields(const cli::ConvertArguments& arguments,
 /// the fields of a single process, byte by byte, unless tiles are divided.
 /// cells    [inputs] of the model, MomentReport::cells
 /// volumes  as they were read
+/// period   MomentOptions::periodic
 void add_part_fields(const PartFields& fields, std::span<const std::optional<UniformCells>> cells,
-                     std::span<std::vector<Volume>* const> volumes, SharedModel& model);
+                     std::span<std::vector<Volume>* const> volumes,
+                     const std::optional<Box>& period, SharedModel& model);
 
 }  // namespace vog::mpi

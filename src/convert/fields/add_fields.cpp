@@ -26,9 +26,10 @@ namespace {
 /// By the densities of the Gaussians.
 void add_by_shares(const Gaussians& model, std::span<const Volume> levels,
                    std::span<const std::vector<VoxelField>> fields, const Layout& layout,
-                   const Progress& progress, FieldEntries& entries) {
+                   const FieldOptions& options, FieldEntries& entries) {
+    const Progress& progress = options.progress;
     std::deque<SoftDivision> divisions;
-    for (const Volume& volume : levels) divisions.emplace_back(model, volume);
+    for (const Volume& volume : levels) divisions.emplace_back(model, volume, options.periodic);
     const SharedFields shared{model, levels, divisions, fields, layout};
     const SharePlanes found = find_planes(shared);
     if (progress) progress(0.5);
@@ -47,11 +48,13 @@ void add_fitted(Gaussians& model, std::span<const Volume> levels,
     if (options.joint_steps < 1 || options.joint_steps > 1000)
         throw Error(fmt::format("{} joint steps, expected 1 to 1000", options.joint_steps));
     const JointSteps steps{find_joint_field(options.joint_field, field_names(fields)),
-                           options.joint_steps};
+                           options.joint_steps,
+                           {},
+                           options.periodic};
     std::optional<comparison::ErrorViews> views;
     JointReport report;
     if (options.joint_report) {
-        views.emplace(levels, model.box);
+        views.emplace(levels, model.box, options.periodic);
         report.error_before = views->relative_l2(model).worst;
     }
     FieldEntries entries(fields, layout, model.size());
@@ -110,10 +113,10 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
     const bool by_cells =
         options.cells && levels.size() == 1 &&
         add_by_cells(levels.front(), layout.components(levels.front(), fields, 0), layout,
-                     {*options.cells, model.size()}, options.progress, *entries);
+                     {*options.cells, model.size(), options.periodic}, options.progress, *entries);
     if (!by_cells) {
         entries.emplace(fields, layout, model.size());
-        add_by_shares(model, levels, fields, layout, options.progress, *entries);
+        add_by_shares(model, levels, fields, layout, options, *entries);
     }
     std::move(*entries).move_to(model);
     if (options.progress) options.progress(1);

@@ -237,11 +237,13 @@ class CellSums {
 class CutCells : CellSums {
   public:
     CutCells(const Volume& volume, std::span<const Component> components, const Layout& layout,
-             const UniformCells& cut)
-        : CellSums(volume, components, layout, cut.block_voxels, cut.overlapping),
-          cut_(cut),
+             const CutModel& model)
+        : CellSums(volume, components, layout, model.cells.block_voxels, model.cells.overlapping),
+          cut_(model.cells),
           nodes_(moments::morton_nodes(volume)) {
-        if (overlapping_) windows_.emplace(volume, nodes_, cut.block_voxels);
+        if (overlapping_)
+            windows_.emplace(volume, nodes_, cut_.block_voxels,
+                             moments::leaf_period(model.period, volume.world_from_index));
         // Nodes of one cell stay together.
         for (std::size_t n = 0; n < nodes_.size(); ++n)
             if (tasks_.empty() || (n - tasks_.back() >= moments::kNodeChunk && begins_cell(n)))
@@ -548,7 +550,7 @@ void OwnCellFields::move_to(Gaussians& model) && {
 
 bool add_by_cells(const Volume& volume, std::span<const Component> components, const Layout& layout,
                   const CutModel& model, const Progress& progress, FieldEntries& entries) {
-    const CutCells cells(volume, components, layout, model.cells);
+    const CutCells cells(volume, components, layout, model);
     constexpr std::size_t kAtOnce = 64;
     std::vector<CellFields> made(kAtOnce);
     std::size_t done = 0;

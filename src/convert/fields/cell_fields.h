@@ -17,6 +17,7 @@ namespace vog::joint {
 struct CutModel {
     UniformCells cells;
     std::size_t gaussians = 0;
+    std::optional<Box> period{};  ///< MomentOptions::periodic
 };
 
 /// Sets the fields of all Gaussians: each has the voxels of its cell, or of its window by their weights.

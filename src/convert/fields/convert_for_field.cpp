@@ -100,7 +100,7 @@ Fitted judged(const ForField& job) {
             printable(field.front().name)));
     const Progress& whole = job.moments.progress;
     const double converted = job.moments.refine_seconds > 0 ? 0.3 : 0.95;
-    const comparison::ErrorViews depths(job.data.levels, job.box);
+    const comparison::ErrorViews depths(job.data.levels, job.box, job.options.periodic);
     const comparison::ValueViews values(job.data.levels, field, depths);
     MomentOptions moments = job.moments;
     moments.progress = progress_part(whole, 0, converted);
@@ -149,7 +149,8 @@ FittedData fitted_data(std::span<const Volume> levels,
                        std::span<const std::vector<VoxelField>> fields,
                        const FieldOptions& options) {
     const std::string& name = options.joint_field;
-    return {levels, fields, name.empty() ? 0 : find_joint_field(name, field_names(fields))};
+    return {levels, fields, name.empty() ? 0 : find_joint_field(name, field_names(fields)),
+            options.periodic};
 }
 
 /// Options of a conversion whose adaptive cut follows the fields.

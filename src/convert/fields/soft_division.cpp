@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "convert/moments/periodic_lattice.h"
 #include "core/paging.h"
 
 namespace vog::joint {
@@ -40,11 +41,12 @@ PackedCells cells_of(const Gaussians& model, const Volume& volume,
 }  // namespace
 
 SoftDivision::SoftDivision(const Gaussians& model, const Volume& volume,
+                           const std::optional<Box>& period,
                            std::optional<ValueLikelihood> likelihood)
     : field_bricks_(field_bricks(volume)), likelihood_(std::move(likelihood)) {
     for (const FieldBrick& brick : field_bricks_) bricks_.push_back(brick.brick);
     cells_ = cells_of(model, volume, bricks_);
-    solver_.emplace(bricks_);
+    solver_.emplace(bricks_, moments::image_shifts(period, volume.world_from_index));
 }
 
 void SoftDivision::add(std::size_t width, const PartsOfBrick& parts_of,

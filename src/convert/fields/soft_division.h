@@ -22,9 +22,10 @@ using PartsOfBrick = std::function<void(
 /// expectation-maximisation; in the joint space of position and value also by the likelihood of its value.
 class SoftDivision {
   public:
+    /// period      periodic box, across whose faces Gaussians have voxels; none: open
     /// likelihood  of a field's values; none: positions alone count
     /// The volume must outlive the object.
-    SoftDivision(const Gaussians& model, const Volume& volume,
+    SoftDivision(const Gaussians& model, const Volume& volume, const std::optional<Box>& period,
                  std::optional<ValueLikelihood> likelihood = {});
     SoftDivision(const SoftDivision&) = delete;  // the solver refers to the bricks
     SoftDivision& operator=(const SoftDivision&) = delete;

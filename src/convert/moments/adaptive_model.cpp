@@ -48,7 +48,7 @@ bool finest_has_voxels(const MomentJob& job) { return !job.levels && job.options
 
 /// One cell for each voxel.
 FieldCells voxel_cells(const MomentJob& job, const FieldTrees& all) {
-    return {overlapping_cells(job.volume(), all.fields.front(), 1)};
+    return {overlapping_cells(job.volume(), all.fields.front(), 1, job.window_period())};
 }
 
 /// Soft cells of a budget.
@@ -129,13 +129,13 @@ Gaussians adaptive_model(MomentJob& job) {
     std::optional<ErrorViews> views;
     RelativeError interpolation;
     if (!job.options.budget) {
-        views.emplace(job.parts, job.box);
+        views.emplace(job.parts, job.box, job.options.periodic);
         interpolation = views->interpolation(job.parts);
         job.clock.end_stage("reference", 0.2);
     }
     FieldTrees all = field_trees(job);
     job.clock.end_stage("octree", job.options.budget ? 0.2 : 0.3);
-    FieldEmSolver em(all.fields, job.options.refine_seconds > 0);
+    FieldEmSolver em(all.fields, job.options.refine_seconds > 0, job.options.periodic);
     FieldCells cells;
     if (job.options.budget) {
         cells = soft_cells(job, all, em, job.options.budget, finest_count(job, all));

@@ -222,7 +222,7 @@ Gaussians run(MomentJob& job) {
             UniformCells{job.options.block_voxels, job.shares_voxels(),
                          copies.empty() ? job.least_mass : std::ldexp(job.least_mass, exponent)};
     if (job.options.measure && job.report.measured_error < 0) {
-        const ErrorViews views(job.parts, job.box);
+        const ErrorViews views(job.parts, job.box, job.options.periodic);
         job.report_error(views.relative_l2(model), views.interpolation(job.parts), views);
         job.clock.end_stage("measure", 1);
     }
@@ -243,6 +243,7 @@ void add_own_field(Gaussians& model, MomentJob& job, std::span<const Volume> par
     for (const Volume& part : parts) fields.front().push_back(measure_field(part, name));
     FieldOptions options;
     options.cells = job.report.cells;
+    options.periodic = job.options.periodic;
     add_fields(model, parts, fields, options);
     job.clock.end_stage("fields", 1);
 }

@@ -11,6 +11,7 @@
 #include "convert/moments/cells/overlapping_cells.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/em_step.h"
+#include "convert/moments/periodic_lattice.h"
 #include "convert/moments/stage_clock.h"
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
@@ -65,7 +66,12 @@ struct MomentJob {
     /// Whether a uniform cut begins with overlapping cells.
     bool overlaps() const {
         return options.soft_steps < 0 && options.block_voxels && !levels &&
-               options.block_voxels <= kLeafEdge && !options.collective;
+               options.block_voxels <= kLeafEdge && !options.collective &&
+               (!options.periodic || window_period());
+    }
+    /// Voxels of a periodic box across whose faces windows go.
+    std::optional<IndexBox> window_period() const {
+        return leaf_period(options.periodic, volume().world_from_index);
     }
     /// Whether these share voxels: a cell of one voxel has that voxel alone.
     bool shares_voxels() const { return overlaps() && options.block_voxels > 1; }
@@ -118,9 +124,12 @@ using FieldCells = std::vector<PackedCells>;
 class FieldEmSolver {
   public:
     /// keep_momentum  whether calls of step() follow run(); if not, run() frees the momenta
-    FieldEmSolver(std::span<const LatticeField> fields, bool keep_momentum)
+    /// period         MomentOptions::periodic
+    FieldEmSolver(std::span<const LatticeField> fields, bool keep_momentum,
+                  const std::optional<Box>& period = {})
         : histories_(fields.size()), keep_momentum_(keep_momentum) {
-        for (const LatticeField& field : fields) solvers_.emplace_back(field.bricks);
+        for (const LatticeField& field : fields)
+            solvers_.emplace_back(field.bricks, image_shifts(period, field.world_from_index));
     }
     void step(FieldCells& cells) {
         for (std::size_t f = 0; f < solvers_.size(); ++f)

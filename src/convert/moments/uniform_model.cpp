@@ -20,7 +20,7 @@ class CellSource {
   public:
     CellSource(const MomentJob& job, const std::vector<MortonNode>& nodes)
         : volume_(job.volume()), nodes_(nodes), edge_(job.options.block_voxels) {
-        if (job.overlaps()) windows_.emplace(volume_, nodes_, edge_);
+        if (job.overlaps()) windows_.emplace(volume_, nodes_, edge_, job.window_period());
         shares_ = job.shares_voxels();
     }
     std::size_t chunk_count() const { return (nodes_.size() + kNodeChunk - 1) / kNodeChunk; }
@@ -123,10 +123,11 @@ Gaussians uniform_model(MomentJob& job) {
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
     for (const LatticeField& field : fields)
-        cells.push_back(job.overlaps() ? overlapping_cells(job.volume(), field, block)
-                                       : uniform_cells(field, block));
+        cells.push_back(job.overlaps()
+                            ? overlapping_cells(job.volume(), field, block, job.window_period())
+                            : uniform_cells(field, block));
     job.clock.end_stage("cells", 0.3);
-    FieldEmSolver em(fields, job.options.refine_seconds > 0);
+    FieldEmSolver em(fields, job.options.refine_seconds > 0, job.options.periodic);
     em.run(cells, job.soft_steps());
     if (job.overlaps() && job.soft_steps() > 0 && block >= kWidenedEdge)
         for (PackedCells& field : cells) widen(field);

@@ -7,10 +7,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/paging.h"
 #include "vog/dense.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -42,34 +44,46 @@ void wrap(Points& points, const Box& box) {
     }
 }
 
-Box domain_box(std::span<const Volume> volumes) {
-    const Volume* coarsest = nullptr;
+Box domain_box(std::span<const Volume> volumes, const Collective* collective) {
+    const Collective& all = collective_or_single(collective);
     double largest = 0;
     for (const Volume& volume : volumes)
-        if (const double size = std::abs(determinant(volume.world_from_index.linear));
-            !volume.empty() && size > largest) {
-            largest = size;
-            coarsest = &volume;
+        if (!volume.empty()) largest = std::max(largest, voxel_volume(volume));
+    all.max(std::span(&largest, 1));
+    double count = 0;
+    // Ends of the index box and of the world box of the coarsest volume, the lower ones negative.
+    std::array<double, 12> ends;
+    ends.fill(-std::numeric_limits<double>::infinity());
+    const auto coarsest = std::ranges::find_if(volumes, [&](const Volume& volume) {
+        return !volume.empty() && voxel_volume(volume) == largest;
+    });
+    if (coarsest != volumes.end()) {
+        const IndexBox cells = active_box(*coarsest);
+        const Box box = world_box(*coarsest);
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto n = static_cast<std::size_t>(axis);
+            ends[n] = -cells.lower[axis], ends[n + 3] = cells.upper[axis];
+            ends[n + 6] = -box.lower[axis], ends[n + 9] = box.upper[axis];
         }
-    if (!coarsest) return {};
-    const IndexBox cells = active_box(*coarsest);
-    double count = 1;
-    for (int axis = 0; axis < 3; ++axis) count *= double{1} + cells.upper[axis] - cells.lower[axis];
-    return static_cast<double>(active_voxels(*coarsest)) == count ? world_box(*coarsest) : Box{};
+        count = static_cast<double>(active_voxels(*coarsest));
+    }
+    all.sum(count);
+    all.max(ends);
+    double cells = 1;
+    for (std::size_t n = 0; n < 3; ++n) cells *= 1 + ends[n + 3] + ends[n];
+    if (count == 0 || count != cells) return {};
+    return {{-ends[6], -ends[7], -ends[8]}, {ends[9], ends[10], ends[11]}};
 }
 
 void add_periodic_images(Gaussians& model, const Box& box) {
     const std::size_t count = model.size();
     std::vector<std::size_t> index;
     std::vector<Vec3f> moved;
-    for (std::size_t i = 0; i < count; ++i) {
-        index.push_back(i);
-        moved.push_back(model.mean[i]);
-        keep_memory_at(i);
-    }
     constexpr int kMost = 2;
     for (std::size_t i = 0; i < count; ++i) {
         keep_memory_at(i);
+        index.push_back(i);
+        moved.push_back(model.mean[i]);
         const Box support = support_box(model, i);
         std::array<Shifts, 3> along;
         for (int axis = 0; axis < 3; ++axis) {

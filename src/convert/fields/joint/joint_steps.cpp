@@ -96,10 +96,12 @@ std::vector<double> whole_deviations(const Distributions& of, const Layout& layo
 /// Divisions by the distributions of one field's values.
 /// part   first component of the field in the layout
 /// least  [components] of the field: least deviations, > 0
+/// period  JointSteps::periodic
 std::deque<SoftDivision> joint_divisions(const Gaussians& model, std::span<const Volume> levels,
                                          std::span<const std::vector<VoxelField>> field,
                                          const Layout& layout, const Distributions& of,
-                                         std::span<const double> least) {
+                                         std::span<const double> least,
+                                         const std::optional<Box>& period) {
     const std::size_t count = layout.parts.size();
     std::deque<SoftDivision> divisions;
     for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -121,7 +123,7 @@ std::deque<SoftDivision> joint_divisions(const Gaussians& model, std::span<const
             }
         }
         divisions.emplace_back(
-            model, levels[level],
+            model, levels[level], period,
             ValueLikelihood(layout.components(levels[level], field, level), std::move(normals)));
     }
     return divisions;
@@ -156,7 +158,7 @@ void add_by_joint_steps(Gaussians& model, std::span<const Volume> levels,
     const Layout own(one);
     std::deque<SoftDivision> divisions;
     if (joint.start.empty())
-        for (const Volume& volume : levels) divisions.emplace_back(model, volume);
+        for (const Volume& volume : levels) divisions.emplace_back(model, volume, joint.periodic);
     Distributions values = joint.start.empty()
                                ? Distributions(SharedFields{model, levels, divisions, one, own})
                                : Distributions(model, own, joint.start);
@@ -166,7 +168,7 @@ void add_by_joint_steps(Gaussians& model, std::span<const Volume> levels,
         deviation = deviation > 0 ? kLeastDeviation * deviation : 1;
     for (int step = 1; step <= joint.steps; ++step) {
         if (progress) progress(static_cast<double>(step) / (joint.steps + 1));
-        divisions = joint_divisions(model, levels, one, own, values, least);
+        divisions = joint_divisions(model, levels, one, own, values, least, joint.periodic);
         if (step < joint.steps) {
             values = Distributions({model, levels, divisions, one, own});
             move_to_parts(model, values.found, own.parts.size());

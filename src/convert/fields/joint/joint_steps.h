@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "convert/fields/field_entries.h"
@@ -21,6 +22,7 @@ struct JointSteps {
     /// [Gaussians] distributions of values that the first step divides voxels by. Empty: those of the voxels near
     /// each Gaussian.
     std::span<const ValueDistribution> start{};
+    std::optional<Box> periodic{};  ///< MomentOptions::periodic
 };
 
 /// Moves the Gaussians and sets all fields, by the division of the last step.

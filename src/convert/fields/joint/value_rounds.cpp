@@ -30,8 +30,8 @@ Gaussians round_of(const Judged& best, const FittedData& data, const Layout& lay
     Gaussians tried = cells.to_gaussians(model);
     const std::vector<ValueDistribution> start = cells.distributions();
     FieldEntries entries(data.fields, layout, tried.size());
-    add_by_joint_steps(tried, data.levels, data.fields, layout, {data.field, kSteps, start}, {},
-                       entries);
+    add_by_joint_steps(tried, data.levels, data.fields, layout,
+                       {data.field, kSteps, start, data.periodic}, {}, entries);
     std::move(entries).move_to(tried);
     remove_empty(tried);
     return tried;

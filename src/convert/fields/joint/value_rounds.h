@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace vog::joint {
 struct FittedData {
     std::span<const Volume> levels;
     std::span<const std::vector<VoxelField>> fields;  ///< [fields][levels]
-    std::size_t field = 0;  ///< place of the one that Gaussians are fitted to, a scalar
+    std::size_t field = 0;          ///< place of the one that Gaussians are fitted to, a scalar
+    std::optional<Box> periodic{};  ///< MomentOptions::periodic
 };
 
 /// Rounds of split-and-merge in the joint space of position and value, each followed by steps of

@@ -25,7 +25,8 @@ std::vector<MortonNode> morton_nodes(const Volume& volume) {
     return nodes;
 }
 
-LeafNeighbours::LeafNeighbours(std::span<const MortonNode> nodes) : nodes_(nodes) {
+LeafNeighbours::LeafNeighbours(std::span<const MortonNode> nodes, std::optional<IndexBox> period)
+    : nodes_(nodes), period_(period) {
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         const Vec3i origin = aligned(nodes[n].origin, kBlockLog2);
         if (blocks_.empty() || !(blocks_.back().origin == origin))
@@ -59,13 +60,24 @@ const LeafNeighbours::Block* LeafNeighbours::block_at(Vec3i origin) const {
     return nullptr;
 }
 
+Vec3i LeafNeighbours::neighbour(Vec3i origin, Vec3i side) const {
+    Vec3i at = origin + kLeafEdge * side;
+    if (!period_) return at;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int lower = period_->lower[axis], end = period_->upper[axis] + 1;
+        if (origin[axis] == lower && side[axis] < 0) at[axis] = end - kLeafEdge;
+        if (origin[axis] == end - kLeafEdge && side[axis] > 0) at[axis] = lower;
+    }
+    return at;
+}
+
 LeafNeighbours::Around LeafNeighbours::around(Vec3i origin) const {
     Around found{};
     const Block* block = nullptr;
     Vec3i searched;
     bool any = false;  // whether `block` is that at `searched`
     for (int n = 0; n < 27; ++n) {
-        const Vec3i at = origin + kLeafEdge * Vec3i{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
+        const Vec3i at = neighbour(origin, {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1});
         const Vec3i corner = aligned(at, kBlockLog2);
         if (!any || !(corner == searched)) block = block_at(corner), searched = corner, any = true;
         if (!block) continue;

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "convert/moments/gaussian_moments.h"
 #include "core/morton.h"
+#include "vog/dense.h"
 #include "vog/volume.h"
 
 namespace vog::moments {
@@ -29,8 +31,9 @@ std::vector<MortonNode> morton_nodes(const Volume& volume);
 /// by windows with fields.
 class LeafNeighbours {
   public:
-    /// nodes  of a volume, sorted; must outlive the object
-    explicit LeafNeighbours(std::span<const MortonNode> nodes);
+    /// nodes   of a volume, sorted; must outlive the object
+    /// period  voxels of a periodic box, whole leaves: leaves at opposite faces are neighbours; none: open
+    explicit LeafNeighbours(std::span<const MortonNode> nodes, std::optional<IndexBox> period = {});
     /// Nodes of kLeafEdge voxels that begin at origin + kLeafEdge * side, sides {-1, 0, 1}^3 with z the
     /// fastest; null where there is none.
     using Around = std::array<const MortonNode*, 27>;
@@ -46,7 +49,12 @@ class LeafNeighbours {
     const Block* block_at(Vec3i origin) const;
     std::size_t slot_of(Vec3i origin) const;
 
+    /// Origin of the node beside another; of one at a face of the periodic box at the opposite face.
+    /// side  {-1, 0, 1}^3
+    Vec3i neighbour(Vec3i origin, Vec3i side) const;
+
     std::span<const MortonNode> nodes_;
+    std::optional<IndexBox> period_;
     std::vector<Block> blocks_;
     std::vector<std::uint32_t> slots_;  ///< hash table: index in blocks_ plus 1; 0: none
 };

@@ -62,8 +62,8 @@ MomentSums sums_of_cube(const float* first, int edge, int reach) {
 }  // namespace
 
 OverlappingCells::OverlappingCells(const Volume& volume, std::span<const MortonNode> nodes,
-                                   int edge)
-    : volume_(volume), neighbours_(nodes), edge_(edge) {}
+                                   int edge, std::optional<IndexBox> period)
+    : volume_(volume), neighbours_(nodes, period), edge_(edge) {}
 
 template <int edge, class LeafOf, class TileOf>
 void OverlappingCells::gather_around(const MortonNode& node, const LeafOf& leaf_of,
@@ -409,9 +409,10 @@ void OverlappingCells::take(const MortonNode& node, OverlapScratch& scratch,
     take_leaf<8>(node, scratch, masses_only);
 }
 
-PackedCells overlapping_cells(const Volume& volume, const LatticeField& field, int edge) {
+PackedCells overlapping_cells(const Volume& volume, const LatticeField& field, int edge,
+                              std::optional<IndexBox> period) {
     const std::vector<MortonNode> nodes = morton_nodes(volume);
-    const OverlappingCells windows(volume, nodes, edge);
+    const OverlappingCells windows(volume, nodes, edge, period);
     const PackedCells none(field.bricks);
     std::vector<PackedCells> parts((nodes.size() + kNodeChunk - 1) / kNodeChunk, none);
     vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {

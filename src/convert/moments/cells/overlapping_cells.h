@@ -8,6 +8,7 @@
 // interpolation makes of a voxel. No ripples, and no blur between unlike ones.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,9 +47,11 @@ constexpr int neighbour_bit(Vec3i step) { return 9 * step.x + 3 * step.y + step.
 /// are those of the voxels.
 class OverlappingCells {
   public:
-    /// nodes  of the volume, sorted; both must outlive the object
-    /// edge   of a cell, voxels: 1, 2, 4 or 8
-    OverlappingCells(const Volume& volume, std::span<const MortonNode> nodes, int edge);
+    /// nodes   of the volume, sorted; both must outlive the object
+    /// edge    of a cell, voxels: 1, 2, 4 or 8
+    /// period  as LeafNeighbours has it: windows go across the faces
+    OverlappingCells(const Volume& volume, std::span<const MortonNode> nodes, int edge,
+                     std::optional<IndexBox> period = {});
     /// Sets scratch.cells and scratch.side; empty cells have mass 0.
     /// masses_only  leaves the other moments unset, in a third of the time for fine cells
     void take(const MortonNode& node, OverlapScratch& scratch, bool masses_only = false) const;
@@ -99,6 +102,7 @@ void for_each_overlapping_cell(const OverlappingCells& windows, const MortonNode
 }
 
 /// Cells of a single volume, overlapping, in Morton order; the start of soft steps.
-PackedCells overlapping_cells(const Volume& volume, const LatticeField& field, int edge);
+PackedCells overlapping_cells(const Volume& volume, const LatticeField& field, int edge,
+                              std::optional<IndexBox> period = {});
 
 }  // namespace vog::moments

@@ -109,7 +109,9 @@ std::uint32_t nearest_cell(const Vec3d& center, const PackedCells& cells) {
 
 }  // namespace
 
-EmSolver::EmSolver(std::span<const Brick> bricks) : bricks_(bricks), tree_(bricks) {
+EmSolver::EmSolver(std::span<const Brick> bricks, std::vector<Vec3d> shifts)
+    : bricks_(bricks), shifts_(std::move(shifts)), tree_(bricks) {
+    shifts_.insert(shifts_.begin(), Vec3d{});
     while ((bricks.size() >> batch_log2_) >= kMostBatches) ++batch_log2_;
 }
 
@@ -117,7 +119,11 @@ template <class Take>
 void EmSolver::for_each_brick(const Moments& cell, std::size_t begin, std::size_t end,
                               const Take& take) const {
     const Vec3d half = support_half_extent(cell);
-    tree_.for_each(voxel_box(cell.mean - half, cell.mean + half), begin, end, take);
+    for (std::uint32_t shift = 0; shift < shifts_.size(); ++shift) {
+        const Vec3d at = cell.mean + shifts_[shift];
+        tree_.for_each(voxel_box(at - half, at + half), begin, end,
+                       [&](std::uint32_t brick) { take(brick, shift); });
+    }
 }
 
 EmSolver::Overlaps EmSolver::find_overlaps(const PackedCells& cells) const {
@@ -130,7 +136,7 @@ EmSolver::Overlaps EmSolver::find_overlaps(const PackedCells& cells) const {
         for (std::size_t i = chunk * kChunk; i < end; ++i) {
             const Moments cell = cells[i];
             max_peak[chunk] = std::max(max_peak[chunk], cell_kernel(cell).peak);
-            for_each_brick(cell, 0, bricks_.size(), [&](std::uint32_t brick) {
+            for_each_brick(cell, 0, bricks_.size(), [&](std::uint32_t brick, std::uint32_t) {
                 is_covered[brick].store(true, std::memory_order_relaxed);
                 overlaps.batches[i] |= batch_bit(brick);
             });
@@ -140,7 +146,7 @@ EmSolver::Overlaps EmSolver::find_overlaps(const PackedCells& cells) const {
     for (std::size_t b = 0; b < bricks_.size(); ++b) {
         if (is_covered[b]) continue;
         const std::uint32_t cell = nearest_cell(brick_cell_center(bricks_[b], 0, 8), cells);
-        overlaps.uncovered.push_back({static_cast<std::uint32_t>(b), cell});
+        overlaps.uncovered.push_back({static_cast<std::uint32_t>(b), cell, 0});
         overlaps.batches[cell] |= batch_bit(b);
     }
     overlaps.first_batches.resize(chunks_of(cells.size()));
@@ -184,17 +190,18 @@ EmSolver::BrickLists EmSolver::brick_lists(const PackedCells& cells, const Overl
         for (std::size_t n = chunk * kChunk; n < end; ++n) {
             const std::uint32_t cell = batch.active[n].cell;
             if (!(overlaps.batches[cell] & bit)) continue;
-            for_each_brick(cells[cell], batch.first_brick, batch.end_brick,
-                           [&](std::uint32_t brick) {
-                               pairs[chunk].push_back({brick, static_cast<std::uint32_t>(n)});
-                           });
+            for_each_brick(
+                cells[cell], batch.first_brick, batch.end_brick,
+                [&](std::uint32_t brick, std::uint32_t shift) {
+                    pairs[chunk].push_back({brick, static_cast<std::uint32_t>(n), shift});
+                });
         }
     });
     for (const Pair& pair : overlaps.uncovered) {
         if (batch_bit(pair.brick) != bit) continue;
         const auto place = std::ranges::lower_bound(batch.active, pair.cell, {}, &ActiveCell::cell);
         pairs.back().push_back(
-            {pair.brick, static_cast<std::uint32_t>(place - batch.active.begin())});
+            {pair.brick, static_cast<std::uint32_t>(place - batch.active.begin()), pair.shift});
     }
 
     // Counting sort by brick; the cells of a brick stay in ascending order.
@@ -207,16 +214,19 @@ EmSolver::BrickLists EmSolver::brick_lists(const PackedCells& cells, const Overl
     std::vector<std::size_t> next(lists.first.begin(), lists.first.end() - 1);
     for (const auto& chunk : pairs)
         for (const Pair& pair : chunk)
-            lists.entries[next[pair.brick - batch.first_brick]++] = pair.cell;
+            lists.entries[next[pair.brick - batch.first_brick]++] = {pair.cell, pair.shift};
     return lists;
 }
 
 void EmSolver::set_kernels(const PackedCells& cells, double max_peak, const BrickLists& lists,
-                           const Batch& batch, std::size_t n, BrickScratch& scratch) {
+                           const Batch& batch, std::size_t n, BrickScratch& scratch) const {
     scratch.kernels.clear();
     for (std::size_t entry = lists.first[n]; entry < lists.first[n + 1]; ++entry) {
-        scratch.kernels.push_back(cell_kernel(cells[batch.active[lists.entries[entry]].cell]));
-        scratch.kernels.back().peak /= max_peak;
+        const auto [active, shift] = lists.entries[entry];
+        CellKernel& kernel =
+            scratch.kernels.emplace_back(cell_kernel(cells[batch.active[active].cell]));
+        kernel.mean = kernel.mean + shifts_[shift];
+        kernel.peak /= max_peak;
     }
 }
 
@@ -235,7 +245,7 @@ void EmSolver::e_step(const PackedCells& cells, double max_peak, const BrickList
                           }
                       });
     for (std::size_t n = 0; n < parts.size(); ++n)
-        add_shifted(batch.sums[batch.active[lists.entries[n]].sums], parts[n], {});
+        add_shifted(batch.sums[batch.active[lists.entries[n].active].sums], parts[n], {});
 }
 
 void EmSolver::m_step(PackedCells& cells, const Overlaps& overlaps, Batch& batch,
@@ -280,7 +290,8 @@ void EmSolver::add_shares(const PackedCells& cells, std::size_t width, const Bri
         activate(overlaps, batch);
         const BrickLists lists = brick_lists(cells, overlaps, batch);
         std::vector<std::uint32_t> cell(lists.entries.size());
-        for (std::size_t n = 0; n < cell.size(); ++n) cell[n] = batch.active[lists.entries[n]].cell;
+        for (std::size_t n = 0; n < cell.size(); ++n)
+            cell[n] = batch.active[lists.entries[n].active].cell;
         BigVector<double> parts(width * cell.size());
         vog::parallel_for(batch.first_brick, batch.end_brick, [&](std::size_t b) {
             BrickScratch& scratch = batch.scratches.local();

@@ -33,7 +33,9 @@ struct EmHistory {
 class EmSolver {
   public:
     /// bricks  all samples of the field; not copied
-    explicit EmSolver(std::span<const Brick> bricks);
+    /// shifts  from a cell to its images in a periodic box, index space, which share voxels with the others: at most
+    ///         3^3 - 1 (image_shifts)
+    explicit EmSolver(std::span<const Brick> bricks, std::vector<Vec3d> shifts = {});
     /// Nesterov extrapolation of every cell, then one EM step. Twelve such steps go as far as
     /// thirty without momentum.
     /// cells   the ones that receive no mass are removed
@@ -55,6 +57,7 @@ class EmSolver {
   private:
     struct Pair {
         std::uint32_t brick, cell;
+        std::uint32_t shift;  ///< index in shifts_
     };
     /// Batches of bricks that each Gaussian's support overlaps.
     struct Overlaps {
@@ -75,10 +78,15 @@ class EmSolver {
         std::vector<std::uint32_t> free_sums;  ///< indices of unused entries of `sums`
         tbb::enumerable_thread_specific<BrickScratch> scratches{};
     };
-    /// Active cells whose support overlaps each brick of a batch, in compressed rows.
+    /// A cell, or an image of it, whose support overlaps a brick.
+    struct BrickCell {
+        std::uint32_t active;  ///< index in Batch::active
+        std::uint32_t shift;   ///< index in shifts_
+    };
+    /// The same of all bricks of a batch, in compressed rows.
     struct BrickLists {
-        std::vector<std::uint32_t> entries;  ///< indices in Batch::active, brick by brick
-        std::vector<std::size_t> first;      ///< first entry of each brick, and the end
+        std::vector<BrickCell> entries;  ///< brick by brick
+        std::vector<std::size_t> first;  ///< first entry of each brick, and the end
     };
     static constexpr std::size_t kMostBatches = 64;  ///< bits of a word
     std::uint64_t batch_bit(std::size_t brick) const {
@@ -89,7 +97,7 @@ class EmSolver {
         const std::uint64_t bit = batch_bit(brick);
         return ~(bit | (bit - 1));
     }
-    /// Calls take(brick) for the bricks that the bounding box of a cell's support overlaps.
+    /// Calls take(brick, shift) for the bricks that the bounding box of a cell's support overlaps, or that of an image.
     /// begin, end  all bricks, or those of one batch
     template <class Take>
     void for_each_brick(const Moments& cell, std::size_t begin, std::size_t end,
@@ -108,8 +116,8 @@ class EmSolver {
     /// The batch's end.
     std::size_t end_of_batch(std::size_t first_brick) const;
     /// Sets the scratch's kernels to the cells of brick n of the batch.
-    static void set_kernels(const PackedCells& cells, double max_peak, const BrickLists& lists,
-                            const Batch& batch, std::size_t n, BrickScratch& scratch);
+    void set_kernels(const PackedCells& cells, double max_peak, const BrickLists& lists,
+                     const Batch& batch, std::size_t n, BrickScratch& scratch) const;
     /// Releases the sums of the active cells whose last batch this is.
     void release(const Overlaps& overlaps, Batch& batch) const;
     /// Sets the moments of the active cells whose last batch this is, and releases their sums.
@@ -117,7 +125,8 @@ class EmSolver {
                 EmHistory& history) const;
 
     std::span<const Brick> bricks_;
-    int batch_log2_ = 5;  ///< log2 of bricks per batch; at least 32, work for its threads
+    std::vector<Vec3d> shifts_;  ///< first that of the cell itself, 0
+    int batch_log2_ = 5;         ///< log2 of bricks per batch; at least 32, work for its threads
     BrickTree tree_;
 };
 

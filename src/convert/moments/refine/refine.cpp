@@ -28,7 +28,7 @@ std::vector<std::vector<float>> cell_errors(const MomentJob& job,
 
 FieldCells refine(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& em,
                   FieldCells cells, const std::function<bool()>& go_on) {
-    const ErrorViews views(job.parts, job.box);
+    const ErrorViews views(job.parts, job.box, job.options.periodic);
     std::vector<VisibilityWeight> visibility;
     for (const LatticeField& field : fields) visibility.emplace_back(field);
 
