@@ -13,6 +13,7 @@
 
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/periodic.h"
 #include "vog/ply.h"
 #include "vog/temporary_file.h"
 
@@ -34,7 +35,7 @@ Sums sums_of(const SharedModel& model, const Ranks& ranks) {
     bool rotated = false;
     for (const Gaussians& part : model.inputs) {
         sums.count += part.size();
-        sums.mass += mass(part);
+        sums.mass += mass_without_images(part);
         rotated |= !part.axis_aligned();
     }
     sums.count = ranks.sum(sums.count);
