@@ -127,6 +127,8 @@ TEST_F(request_command, draws_the_picture_of_a_pages_link) {
     must_fail(1, "render cloud.ply -o x.png --request '#show=<b>&tf=x'", "show <b>: expected");
     must_fail(1, "render cloud.ply -o x.png --request 'page.html#'", "no link of a page");
     must_fail(1, "render cloud.ply -o x.png --request '#camera.eye=1,2,3'", "look_at");
+    must_fail(1, "render cloud.ply -o x.png --request '#camera=3&camera.eye=1,2,3'", "no link");
+    must_fail(1, "render cloud.ply -o x.png --request '#title=%ff%fe'", "no link of a page");
     must_fail(1, "render -o x.png --request '#show=column'", "names no inputs");
     for (std::size_t length = 0; length < words.size(); ++length) {  // no crash
         try {

@@ -102,7 +102,7 @@ PictureRecord record_of_json(const std::string& text) try {
     throw Error("no record of a picture: " + json_fault(error));
 }
 
-PictureRecord record_of_link(const std::string& link) {
+PictureRecord record_of_link(const std::string& link) try {
     Json json = Json::object();
     for (std::size_t at = std::min(link.find('#'), link.size()); at < link.size();) {
         const std::size_t begin = at + 1;
@@ -121,6 +121,8 @@ PictureRecord record_of_link(const std::string& link) {
     }
     if (json.empty()) throw Error("no link of a page, expected words behind '#', show=column&...");
     return {request_of_json(json.dump()), {}};
+} catch (const nlohmann::json::exception& error) {
+    throw Error("no link of a page: " + json_fault(error));
 }
 
 PictureRecord read_record(const std::filesystem::path& file) {
