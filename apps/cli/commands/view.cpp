@@ -175,7 +175,7 @@ void open_viewer(WindowArguments arguments, const GivenOptions& command) {
 
 #else
 
-void open_viewer(const WindowArguments&, const CLI::App&) {
+void open_viewer(const WindowArguments&, const GivenOptions&) {
     throw Error("view: this build has no window (it was configured with -DVOG_VIEWER=OFF)");
 }
 
