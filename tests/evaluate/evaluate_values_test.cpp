@@ -145,7 +145,7 @@ TEST_F(evaluate_values, by_the_command_with_models_beside_volumes) {
     EXPECT_NE(must("evaluate cloud.vdb block8.ply -o out --size 16 --repeat 1 --show volume")
                   .out.find("SSIM"),
               std::string::npos);
-    must_fail(2, "evaluate cloud.vdb -o out --tf jet --tf hot", "several are of --show volume");
+    must_fail(2, "evaluate cloud.vdb -o out --tf jet --tf hot", "only --show volume takes several");
     must_fail(2, "evaluate cloud.vdb -o out --show mean", "--show");
     must_fail(1, "evaluate block8.ply -o out", "expected a volume");
     must_fail(1, "evaluate cloud.vdb block8.ply -o out --show volume --tf none.json", "none.json");

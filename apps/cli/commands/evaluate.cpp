@@ -107,7 +107,7 @@ void set_transfer_functions(EvaluateArguments& arguments) {
         arguments.options.value_functions = arguments.tfs;
         return;
     }
-    if (arguments.tfs.size() > 1) throw UsageError("--tf: several are of --show volume");
+    if (arguments.tfs.size() > 1) throw UsageError("--tf: only --show volume takes several");
     if (!arguments.tfs.empty()) arguments.options.tf = arguments.tfs.front();
 }
 

@@ -54,10 +54,9 @@ std::string up_error(const std::string& text) {
     }
 }
 
-/// Azimuth and elevation of --view, degrees; empty: a name.
-std::vector<double> angles_of(const std::string& view) { return parse_numbers(view); }
+/// CLI11 check that a text is a named view, or azimuth and elevation in degrees.
 std::string view_error(const std::string& text) {
-    const std::vector<double> angles = angles_of(text);
+    const std::vector<double> angles = parse_numbers(text);
     if (std::ranges::count(view_names(), text)) return {};
     if (angles.size() == 2 && std::abs(angles[1]) <= 90) return {};
     return fmt::format(
@@ -196,7 +195,7 @@ Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
     orbit.roll_degrees = arguments.roll_degrees;
     orbit.orthographic = arguments.orthographic;
     orbit.width = arguments.width;
-    if (const std::vector<double> angles = angles_of(arguments.view); !angles.empty())
+    if (const std::vector<double> angles = parse_numbers(arguments.view); !angles.empty())
         orbit.azimuth_degrees = angles[0], orbit.elevation_degrees = angles[1];
     else if (given("--view"))
         set_view(orbit, arguments.view);

@@ -18,23 +18,21 @@ namespace vog::viewer {
 namespace {
 
 /// By the order of vog::Show.
-constexpr const char* kNames[] = {"visibility",        "column density",   "mean on rays",
-                                  "deviation on rays", "volume, by value", "maximum on rays"};
+constexpr const char* kNames[] = {"visibility",        "column density", "mean on rays",
+                                  "deviation on rays", "volume",         "maximum on rays"};
 
 bool same(const FieldChoice& a, const FieldChoice& b) {
     return a.field == b.field && a.part == b.part;
 }
-/// Whether sums are of a largest value.
-bool is_largest(const ResolvedPicture& picture) {
-    return is_by_value(picture.request.show) && picture.request.show != Show::volume;
-}
+/// Whether the sums hold a largest value.
+bool is_largest(const ResolvedPicture& picture) { return picture.request.show == Show::maximum; }
 
 }  // namespace
 
 const char* name_of(Show show) { return kNames[static_cast<std::size_t>(show)]; }
 
 Show shaded_as(const Quantity& quantity) {
-    if (is_by_value(quantity.show) && quantity.show != Show::volume) return Show::mean;
+    if (quantity.show == Show::maximum) return Show::mean;
     return quantity.show == Show::mean && quantity.field.part == FieldPart::magnitude
                ? Show::deviation
                : quantity.show;

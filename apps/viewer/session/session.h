@@ -247,7 +247,7 @@ class Session {
     PixelSize shown_;
     std::function<double()> clock_s_;
     Sums inspected_;                     ///< numbers as last read back
-    ResolvedPicture inspected_picture_;  ///< what they are of
+    ResolvedPicture inspected_picture_;  ///< the picture that they belong to
     /// The latest probe of a volume: nothing is computed again for a pointer at rest.
     mutable struct {
         int column = -1, row = -1, revision = -1;
