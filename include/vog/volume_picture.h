@@ -18,8 +18,8 @@ inline constexpr int kVolumeSlabs = 32, kMaximumSlabs = 128;
 
 /// Light and clipping of a volume picture.
 struct VolumeLook {
-    /// Shading of Blinn and Phong by the field's gradient (in a Gaussian as far as its plane explains the values); colour = (ambient + diffuse n.l) colour + specular
-    /// (n.h)^power, at most 1, with the normal n towards the eye. Where the field has no gradient: the colour itself.
+    /// Shading of Blinn and Phong by the field's gradient; colour = (ambient + diffuse n.l) colour + specular (n.h)^power,
+    /// at most 1, with the normal n towards the eye. Where the field has no gradient: the colour itself.
     /// Off: emission and absorption alone.
     bool light = false;
     Vec3d towards_light{};  ///< world, any length > 0; 0 0 0: the eye

@@ -156,7 +156,7 @@ def render(
                    marks around and over the picture
     renderer       of models 'splat' (exact, object order), 'trace' (the same ray by ray), 'cuda', 'optix' (on an NVIDIA GPU); of voxels
                    'reference' or 'optix'; None: the first of them
-    slabs          of volume and maximum: depth slabs a tile, 1 to 1024
+    slabs          of volume and maximum: depth slabs, 1 to 1024
     pixel_error    error of coarser Gaussians that are drawn in place of finer ones, pixels
     aabb_sigma     splat, trace, optix: the paper's boxes, in its radii; 0: none
     kappa          cuts kernels at this share of their peak, in place of the model's own cutoff

@@ -1,10 +1,12 @@
-// volume_trace.cpp: Volume rendering of a model by ray tracing: the Gaussians on a ray are collected, and their light
-// integrated in the order of depth by steps finer than the thinnest of them.
+// volume_trace.cpp: Volume rendering of a model by ray tracing: the Gaussians on a ray are collected, moments of their
+// values summed in the order of depth by steps finer than the thinnest of them, and classified.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "render/by_value/lighting.h"
+#include "render/by_value/slab_moments.h"
 #include "render/by_value/value_light.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_tiles.h"
@@ -21,16 +23,15 @@ using namespace trace;
 
 namespace {
 
-using Sum = std::array<double, 4>;
-
 /// A Gaussian on a ray, t in scene units.
 struct OnRay {
-    LightQuadratic light;
     double start, end;     ///< chord in front of the eye
     double nearest;        ///< t*
     double per_deviation;  ///< standard deviations per scene unit
     double whole;          ///< density e^{-m²/2} sqrt(pi/2) / per_deviation, units of depth
-    double z, z_step;      ///< of LightQuadratic at t = 0, and its change with t
+    double share, step;    ///< of the field's range at t = 0, and its change with t
+    Residual residual;
+    Vec3d gradient;  ///< of the share, per world unit
 };
 
 /// A Gaussian that is drawn as a splat, at one pixel.
@@ -40,9 +41,9 @@ struct Splatted {
     double depth;  ///< tau, units of depth
 };
 
-/// Light of equal steps along a ray; empty: nothing is on it.
-struct LitSteps {
-    std::vector<Sum> sums;
+/// Sums of equal steps along a ray; empty: nothing is on it.
+struct RaySteps {
+    std::vector<MomentSums> sums;
     double length = 0;  ///< of a step, world units
 };
 
@@ -50,18 +51,19 @@ struct LitSteps {
 struct VolumeRays {
     const Gaussians& gaussians;
     const ScalarField& field;
-    const std::vector<LightQuadratic>& light;
+    const ValueRange& range;
     const TraceModel& model;
     const TraceBvh& bvh;
-    const float* shares;  ///< SmallGaussians::shares, or null
-    const Lighting& lighting;
+    const float* shares;   ///< SmallGaussians::shares, or null
     const Clipping& clip;  ///< relative to the model's origin
 
     void collect(const device::Ray& ray, const RayInterval& seen, std::vector<OnRay>& hits) const;
-    LightQuadratic lit(std::uint32_t i, const device::Ray& ray) const;
+    Vec3d gradient(std::uint32_t i) const {
+        return (1 / (range.upper - range.lower)) * vec_cast<double>(field.gradient[i]);
+    }
     double depth_of(const Splatted& point, const device::Ray& ray) const;
     RayInterval seen(const device::Ray& ray) const;
-    LitSteps steps(const device::Ray& ray, std::span<const OnRay> hits,
+    RaySteps steps(const device::Ray& ray, std::span<const OnRay> hits,
                    std::span<const Splatted> points) const;
 };
 
@@ -75,14 +77,6 @@ double VolumeRays::depth_of(const Splatted& point, const device::Ray& ray) const
 RayInterval VolumeRays::seen(const device::Ray& ray) const {
     RayInterval seen = clipped_ray(clip, model.unit * vec(ray.origin), vec(ray.direction));
     return {seen.first / model.unit, seen.last / model.unit};
-}
-
-/// Light of a Gaussian, shaded.
-LightQuadratic VolumeRays::lit(std::uint32_t i, const device::Ray& ray) const {
-    if (!lighting.on()) return light[i];
-    return shaded(
-        light[i], lighting(vec_cast<double>(field.gradient[i]), -1.0 * vec(ray.direction)),
-        explained_share(light[i], double{field.deviation[i]}, double{model.kernel.variance}));
 }
 
 void VolumeRays::collect(const device::Ray& ray, const RayInterval& seen,
@@ -100,10 +94,11 @@ void VolumeRays::collect(const device::Ray& ray, const RayInterval& seen,
         last = list.hit[list.count - 1];
         for (int n = 0; n < list.count; ++n) {
             const std::uint32_t i = list.hit[n].index;
-            const device::Gaussian& g = model.gaussians[i];
-            const device::Double3 to_mean = device::to_double(g.mean) - ray.origin;
-            const device::Double3 w[3] = {device::to_double(g.w[0]), device::to_double(g.w[1]),
-                                          device::to_double(g.w[2])};
+            const device::Gaussian& g_of = model.gaussians[i];
+            const device::Double3 to_mean = device::to_double(g_of.mean) - ray.origin;
+            const device::Double3 w[3] = {device::to_double(g_of.w[0]),
+                                          device::to_double(g_of.w[1]),
+                                          device::to_double(g_of.w[2])};
             const device::Double3 e{dot(w[0], to_mean), dot(w[1], to_mean), dot(w[2], to_mean)};
             const device::Double3 d{dot(w[0], ray.direction), dot(w[1], ray.direction),
                                     dot(w[2], ray.direction)};
@@ -115,21 +110,19 @@ void VolumeRays::collect(const device::Ray& ray, const RayInterval& seen,
             const double start = std::max(nearest - half, seen.first),
                          end = std::min(nearest + half, seen.last);
             if (!(start < end)) continue;
-            // z changes by one with a spread of the field's plane.
-            const double spread = double{light[i].spread};
-            const double per_z = spread > 0 ? model.unit / spread : 0;
-            const Vec3d gradient = vec_cast<double>(field.gradient[i]);
+            const Vec3d g = gradient(i);
             const double share = shares ? double{shares[i]} : 1;
-            hits.push_back({lit(i, ray), start, end, nearest, root,
-                            share * double{g.density} * std::exp(-0.5 * m2) *
+            hits.push_back({start, end, nearest, root,
+                            share * double{g_of.density} * std::exp(-0.5 * m2) *
                                 std::sqrt(0.5 * std::numbers::pi) / root,
-                            -per_z * dot(gradient, vec(to_mean)),
-                            per_z * dot(gradient, vec(ray.direction))});
+                            range.share(double{field.value[i]}) - model.unit * dot(g, vec(to_mean)),
+                            model.unit * dot(g, vec(ray.direction)), residual_of(field, range, i),
+                            g});
         }
     }
 }
 
-LitSteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
+RaySteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
                            std::span<const Splatted> points) const {
     double start = std::numeric_limits<double>::infinity(), end = 0, thinnest = start;
     for (const OnRay& hit : hits) {
@@ -144,16 +137,18 @@ LitSteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
     if (!(start <= end)) return {};
     // An eighth of the thinnest Gaussian; few colours change within that.
     constexpr double kLeastSteps = 64, kMostSteps = 8192;
-    const double range = std::max(end - start, 1e-300);
+    const double extent = std::max(end - start, 1e-300);
     const auto steps =
-        static_cast<std::size_t>(std::clamp(8 * range / thinnest, kLeastSteps, kMostSteps));
-    const double length = range / double(steps), unit = model.depth_unit;
-    std::vector<Sum> sums(steps, Sum{});
+        static_cast<std::size_t>(std::clamp(8 * extent / thinnest, kLeastSteps, kMostSteps));
+    const double length = extent / double(steps), unit = model.depth_unit;
+    std::vector<MomentSums> sums(steps);
     const auto step_of = [&](double t) {
         return std::min(static_cast<std::size_t>(std::max((t - start) / length, 0.0)), steps - 1);
     };
-    const auto add = [&](std::size_t step, double tau, const Light& by) {
-        for (std::size_t n = 0; n < 4; ++n) sums[step][n] += tau * unit * double{by[n]};
+    const auto add = [&](std::size_t step, double tau, double share, const Residual& within,
+                         const Vec3d& g) {
+        sums[step].add(tau * unit, share, within);
+        sums[step].gradient = sums[step].gradient + (tau * unit) * g;
     };
     for (const OnRay& hit : hits) {
         const auto part_at = [&](double t) {
@@ -166,30 +161,32 @@ LitSteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
                                   ? hit.end
                                   : std::clamp(start + double(step + 1) * length, from, hit.end);
             const double after = part_at(to);
-            add(step, hit.whole * (after - before),
-                hit.light.at(static_cast<float>(hit.z + 0.5 * (from + to) * hit.z_step)));
+            add(step, hit.whole * (after - before), hit.share + 0.5 * (from + to) * hit.step,
+                hit.residual, hit.gradient);
             from = to, before = after;
         }
     }
     for (const Splatted& point : points) {
-        // A point: the mean of z² over the kernel, its z is 0.
-        LightQuadratic mean = lit(point.index, ray);
-        for (auto& c : mean.c) c[0] += static_cast<float>(model.kernel.variance) * c[2];
-        add(step_of(depth_of(point, ray)), point.depth, mean.at(0));
+        const Residual within =
+            point_residual(gaussians, field, range, point.index, double{model.kernel.variance});
+        add(step_of(depth_of(point, ray)), point.depth,
+            range.share(double{field.value[point.index]}), within, gradient(point.index));
     }
     return {std::move(sums), length * model.unit};
 }
 
 /// Emission and absorption, front to back.
-Rgba composited(std::span<const Sum> sums) {
+Rgba composited(const RaySteps& steps, const StepLight& light, Vec3d towards_eye) {
     double transmittance = 1;
     std::array<double, 3> color{};
-    for (const Sum& sum : sums) {
-        if (!(sum[3] > 0)) continue;
-        const double absorbed = -std::expm1(-sum[3]);
-        for (std::size_t n = 0; n < 3; ++n)
-            color[n] += transmittance * absorbed * std::min(sum[n] / sum[3], 1.0);
-        transmittance *= 1 - absorbed;
+    for (const MomentSums& sums : steps.sums) {
+        if (!(sums.tau > 0)) continue;
+        const auto s = light(sums, towards_eye);
+        const double depth = sums.tau * double{s[3]};
+        if (!(depth > 0)) continue;
+        const double weight = transmittance * -std::expm1(-depth) / double{s[3]};
+        for (std::size_t n = 0; n < 3; ++n) color[n] += weight * double{s[n]};
+        transmittance *= std::exp(-depth);
     }
     return {static_cast<float>(color[0]), static_cast<float>(color[1]),
             static_cast<float>(color[2]), static_cast<float>(1 - transmittance)};
@@ -197,13 +194,13 @@ Rgba composited(std::span<const Sum> sums) {
 
 /// Largest mean of the steps' values where there is density enough, as a share of the field's range; negative: none.
 /// most  largest share per density
-double largest_share(const LitSteps& steps, double most) {
+double largest_share(const RaySteps& steps, double most) {
     double densest = 0, largest = -1;
-    for (const Sum& sum : steps.sums) densest = std::max(densest, sum[3]);
-    for (const Sum& sum : steps.sums)
-        if (sum[3] > 0 && sum[3] >= kLeastDensityShare * densest)
-            largest = std::max(largest, std::clamp(sum[0] / sum[3], 0.0,
-                                                   std::min(most * sum[3] / steps.length, 1.0)));
+    for (const MomentSums& sum : steps.sums) densest = std::max(densest, sum.tau);
+    for (const MomentSums& sum : steps.sums)
+        if (sum.tau > 0 && sum.tau >= kLeastDensityShare * densest)
+            largest = std::max(largest, std::clamp(sum.first / sum.tau, 0.0,
+                                                   std::min(most * sum.tau / steps.length, 1.0)));
     return largest;
 }
 
@@ -217,25 +214,23 @@ struct TracedPicture {
 };
 
 /// Calls draw(pixel, steps) for each pixel with something on its ray.
-/// light_of  light of all Gaussians of a model, by its field
-template <class LightOf, class Draw>
+template <class Draw>
 void trace_sums(const Gaussians& gaussians, const ScalarField& values, const TracedPicture& picture,
-                const LightOf& light_of, const Draw& draw) {
+                const Draw& draw) {
     const auto& [camera, width, height, options, scene, look] = picture;
     check_trace_options(options);
     validate(look);
     const TraceModel model = trace_model(gaussians, scene.aabb_sigma, scene.kappa);
     const CameraFrame frame = relative_to(frame_of(camera, width, height), model.origin);
-    const std::vector<LightQuadratic> light = light_of();
+    const ValueRange range = value_range(values);
     if (model.gaussians.empty()) return;
     const TraceBvh bvh(model);
     const device::Camera rays = scene_camera(frame, model.unit);
     const SmallGaussians small = small_gaussians(model, rays);
-    const Lighting lighting(look);
     const Clipping clip = relative_to(look.clip, model.origin);
-    const VolumeRays all{gaussians, values, light,
+    const VolumeRays all{gaussians, values, range,
                          model,     bvh,    small.shares.empty() ? nullptr : small.shares.data(),
-                         lighting,  clip};
+                         clip};
     // Bands of rows are drawn side by side, a row by one thread.
     std::vector<std::vector<Splatted>> rows(static_cast<std::size_t>(height));
     for_each_splat_pixel(
@@ -269,7 +264,7 @@ void trace_sums(const Gaussians& gaussians, const ScalarField& values, const Tra
                 shown.push_back(point);
         draw(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
                  static_cast<std::size_t>(column),
-             all.steps(ray, hits, shown));
+             all.steps(ray, hits, shown), vec(ray.direction));
     });
 }
 
@@ -284,12 +279,11 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
     VolumeImage image{width, height, {}};
     image.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                        Rgba{0, 0, 0, 0});
-    trace_sums(
-        gaussians, values, {camera, width, height, options, scene, look},
-        [&] { return fit_light(gaussians, values, transfer); },
-        [&](std::size_t pixel, const LitSteps& steps) {
-            image.pixel[pixel] = composited(steps.sums);
-        });
+    const StepLight light(transfer, values, look);
+    trace_sums(gaussians, values, {camera, width, height, options, scene, look},
+               [&](std::size_t pixel, const RaySteps& steps, Vec3d direction) {
+                   image.pixel[pixel] = composited(steps, light, -1.0 * direction);
+               });
     return image;
 }
 
@@ -304,14 +298,12 @@ ValueMap render_maximum_trace(const Gaussians& gaussians, const std::string& fie
     ValueMap map{width, height, {}};
     map.value.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                      std::numeric_limits<float>::quiet_NaN());
-    trace_sums(
-        gaussians, values, {camera, width, height, options, scene, look},
-        [&] { return value_planes(gaussians, values); },
-        [&](std::size_t pixel, const LitSteps& steps) {
-            if (const double share = largest_share(steps, most_share_per_density(values));
-                share >= 0)
-                map.value[pixel] = value_of_share(values, share);
-        });
+    trace_sums(gaussians, values, {camera, width, height, options, scene, look},
+               [&](std::size_t pixel, const RaySteps& steps, Vec3d) {
+                   if (const double share = largest_share(steps, most_share_per_density(values));
+                       share >= 0)
+                       map.value[pixel] = value_of_share(values, share);
+               });
     return map;
 }
 

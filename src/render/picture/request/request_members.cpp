@@ -203,7 +203,7 @@ std::vector<Entry> volume_entries() {
         {{"slabs",
           kVolume,
           "N",
-          "Depth slabs a tile of a model's picture by splat, cuda or optix: more lie nearer to "
+          "Depth slabs of a model's picture by splat, cuda or optix: more lie nearer to "
           "exact order (`renderer` trace), and cost memory and time; default 32, of maximum 128",
           "",
           {},

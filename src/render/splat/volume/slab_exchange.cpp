@@ -18,41 +18,26 @@ using Packets = std::vector<std::vector<float>>;  ///< [processes]
 /// Most bytes of sums that a process holds for others.
 constexpr std::size_t kMostBytes = std::size_t{64} << 20;
 
-/// Tile t and the range of its depths in all parts.
-struct SharedTile {
-    int t;
-    DepthRange depths;
-};
-
 /// Tiles with a Gaussian of any part.
-std::vector<SharedTile> shared_tiles(const SlabPicture& drawn,
-                                     tbb::enumerable_thread_specific<SlabBuffers>& buffers,
-                                     const Collective& processes) {
-    const int count = drawn.tiles().bins.tiles();
-    std::vector<double> ends(2 * static_cast<std::size_t>(count));  // -near, far
-    vog::parallel_for(0, count, [&](int t) {
-        const DepthRange own = drawn.find(t, buffers.local());
-        ends[2 * static_cast<std::size_t>(t)] = -double{own.near};
-        ends[2 * static_cast<std::size_t>(t) + 1] = double{own.far};
+std::vector<int> shared_tiles(const SlabPicture& drawn,
+                              tbb::enumerable_thread_specific<SlabBuffers>& buffers,
+                              const Collective& processes) {
+    std::vector<double> any(static_cast<std::size_t>(drawn.tiles().bins.tiles()));
+    vog::parallel_for(std::size_t{0}, any.size(), [&](std::size_t t) {
+        any[t] = drawn.find(static_cast<int>(t), buffers.local());
     });
-    processes.max(ends);
-    std::vector<SharedTile> tiles;
-    for (int t = 0; t < count; ++t) {
-        const double* end = &ends[2 * static_cast<std::size_t>(t)];
-        const DepthRange all{static_cast<float>(-end[0]), static_cast<float>(end[1])};
-        if (all.near <= all.far) tiles.push_back({t, all});
-    }
+    processes.max(any);
+    std::vector<int> tiles;
+    for (std::size_t t = 0; t < any.size(); ++t)
+        if (any[t] > 0) tiles.push_back(static_cast<int>(t));
     return tiles;
 }
 
 /// Sums of the slabs of a cell, as numbers: place of the tile in its run, cell of the tile, slabs; of each slab its
 /// number and the pixels of each channel.
-constexpr std::size_t kHead = 3, kBlock = 1 + std::size_t{4} * kCellPixels;
-
-bool is_zero(const SlabSums& sums) {
-    return std::ranges::all_of(sums.channel, [](const CellPixels& pixels) {
-        return std::ranges::all_of(pixels, [](float sum) { return sum == 0; });
-    });
+constexpr std::size_t kHead = 3;
+std::size_t block_size(int channels) {
+    return 1 + static_cast<std::size_t>(channels) * kCellPixels;
 }
 
 /// Appends the sums of a cell, and sets them to 0.
@@ -60,24 +45,25 @@ void pack(SlabCell& cell, std::size_t place, int n, std::vector<float>& to) {
     const std::size_t head = to.size();
     to.insert(to.end(), {static_cast<float>(place), static_cast<float>(n), 0});
     for (int slab = cell.lowest; slab <= cell.highest; ++slab) {
-        const SlabSums& sums = cell.sums[static_cast<std::size_t>(slab)];
-        if (is_zero(sums)) continue;
+        const std::span<const SlabPlane> planes(cell.slab(slab),
+                                                static_cast<std::size_t>(cell.channels));
+        if (std::ranges::all_of(planes.front().pixel, [](float tau) { return tau == 0; })) continue;
         ++to[head + 2];
         to.push_back(static_cast<float>(slab));
-        for (const CellPixels& pixels : sums.channel)
-            to.insert(to.end(), pixels.begin(), pixels.end());
+        for (const SlabPlane& plane : planes)
+            to.insert(to.end(), plane.pixel.begin(), plane.pixel.end());
     }
     cell.clear();
 }
 
 /// Adds slabs of a cell.
 void unpack(std::span<const float> blocks, SlabCell& cell) {
-    for (; !blocks.empty(); blocks = blocks.subspan(kBlock)) {
+    for (; !blocks.empty(); blocks = blocks.subspan(block_size(cell.channels))) {
         const auto slab = static_cast<int>(blocks[0]);
         cell.touch(slab, slab);
         const float* from = &blocks[1];
-        for (CellPixels& pixels : cell.sums[static_cast<std::size_t>(slab)].channel)
-            for (float& sum : pixels) sum += *from++;
+        for (int n = 0; n < cell.channels; ++n)
+            for (float& sum : cell.slab(slab)[n].pixel) sum += *from++;
     }
 }
 
@@ -86,7 +72,7 @@ struct SlabRunOfTiles {
     const SlabPicture& drawn;
     tbb::enumerable_thread_specific<SlabBuffers>& buffers;
     const Collective& processes;
-    std::span<const SharedTile> tiles;
+    std::span<const int> tiles;
     std::size_t first;  ///< place of the first among all: owners take turns
 
     std::size_t owner(std::size_t place) const {
@@ -97,9 +83,9 @@ struct SlabRunOfTiles {
     }
     /// Calls body with the first pixel and the number of pixels of each row of a tile.
     template <class Body>
-    void each_row(const SharedTile& tile, Rgba* image, const Body& body) const {
+    void each_row(int t, Rgba* image, const Body& body) const {
         const CameraFrame& frame = drawn.view.frame;
-        const int top = drawn.tiles().row_of(tile.t), left = drawn.tiles().column_of(tile.t);
+        const int top = drawn.tiles().row_of(t), left = drawn.tiles().column_of(t);
         for (int y = top; y < std::min(top + kTileHeight, frame.height); ++y)
             body(image + static_cast<std::ptrdiff_t>(y) * frame.width + left,
                  static_cast<std::size_t>(std::min(kTileWidth, frame.width - left)));
@@ -113,11 +99,10 @@ Packets SlabRunOfTiles::sums() const {
     std::vector<std::vector<float>> packed(tiles.size());
     vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
         SlabBuffers& own = buffers.local();
-        const DepthRange any = drawn.find(tiles[n].t, own);
-        if (!(any.near <= any.far)) return;
-        drawn.divide(tiles[n].t, tiles[n].depths, own);
+        if (!drawn.find(tiles[n], own)) return;
+        drawn.divide(tiles[n], own);
         for (int cell = 0; cell < kCells; ++cell) {
-            if (!drawn.begin_cell(tiles[n].t, cell, own)) continue;
+            if (!drawn.begin_cell(tiles[n], cell, own)) continue;
             drawn.sum_cell(own);
             pack(own.cell, n, cell, packed[n]);
         }
@@ -133,22 +118,23 @@ Packets SlabRunOfTiles::sums() const {
 
 void SlabRunOfTiles::composite(const Packets& from, Rgba* image) const {
     std::vector<std::vector<std::span<const float>>> blocks(tiles.size() * kCells);
+    const std::size_t block = block_size(buffers.local().cell.channels);
     for (const std::vector<float>& packet : from)
         for (std::span<const float> rest = packet; !rest.empty();) {
             const auto place = static_cast<std::size_t>(rest[0]);
             const auto cell = static_cast<std::size_t>(rest[1]);
-            const std::size_t count = kBlock * static_cast<std::size_t>(rest[2]);
+            const std::size_t count = block * static_cast<std::size_t>(rest[2]);
             blocks[place * kCells + cell].push_back(rest.subspan(kHead, count));
             rest = rest.subspan(kHead + count);
         }
     vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
         if (!is_own(n)) return;
         SlabCell& cell = buffers.local().cell;
-        drawn.set_slabs(tiles[n].depths, cell);
+        cell.depths = drawn.depths;
         for (int c = 0; c < kCells; ++c) {
             const auto& parts = blocks[n * kCells + static_cast<std::size_t>(c)];
             if (parts.empty()) continue;
-            (void)drawn.place_cell(tiles[n].t, c, cell);
+            (void)drawn.place_cell(tiles[n], c, cell);
             for (const std::span<const float> part : parts) unpack(part, cell);
             drawn.finish_cell(cell, image);
         }
@@ -195,15 +181,20 @@ double middle_depth(const Gaussians& part, const CameraFrame& frame, const Colle
     return depth;
 }
 
+DepthRange joint_depths(const DepthRange& own, const Collective& processes) {
+    double ends[2] = {-double{own.near}, double{own.far}};
+    processes.max(ends);
+    return {static_cast<float>(-ends[0]), static_cast<float>(ends[1])};
+}
+
 void draw_parts(const SlabPicture& drawn, tbb::enumerable_thread_specific<SlabBuffers>& buffers,
                 const Collective& processes, Rgba* image) {
     const CameraFrame& frame = drawn.view.frame;
     std::fill_n(image,
                 static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                 Rgba{0, 0, 0, 0});
-    const std::vector<SharedTile> tiles = shared_tiles(drawn, buffers, processes);
-    const std::size_t tile_bytes = static_cast<std::size_t>(buffers.local().cell.slabs()) * 4 *
-                                   sizeof(float) * kTileWidth * kTileHeight;
+    const std::vector<int> tiles = shared_tiles(drawn, buffers, processes);
+    const std::size_t tile_bytes = buffers.local().cell.planes.size() * sizeof(SlabPlane) * kCells;
     const std::size_t run = std::max<std::size_t>(kMostBytes / tile_bytes, 1);
     for (std::size_t first = 0; first < tiles.size(); first += run) {
         const SlabRunOfTiles one{

@@ -15,9 +15,12 @@ namespace vog::splat {
 double middle_depth(const Gaussians& part, const CameraFrame& frame, const Collective& processes,
                     std::size_t& size);
 
-/// Draws the picture of all parts. Slabs of a tile divide the range of depths of all; runs of tiles are summed by
-/// every process, sent to one process a tile, added there in the order of processes, composited, and sent to the root.
-/// drawn   this process's part; SlabView::depth is that of all processes
+/// Range of depths of all parts.
+DepthRange joint_depths(const DepthRange& own, const Collective& processes);
+
+/// Draws the picture of all parts. Runs of tiles are summed by every process, sent to one process a tile, added there
+/// in the order of processes, composited, and sent to the root.
+/// drawn   this process's part; SlabView::depth and the slabs are those of all processes
 /// image   [height * width] complete on the root
 /// cost    memory: sends 64 MB at most, more for more than 2000 slabs of tiles
 void draw_parts(const SlabPicture& drawn, tbb::enumerable_thread_specific<SlabBuffers>& buffers,

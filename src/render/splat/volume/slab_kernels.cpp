@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -25,6 +26,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #include "render/splat/splat_rows-inl.h"
+
+#include "render/splat/volume/slab_finish-inl.h"
 
 #include "render/splat/volume/slab_rows-inl.h"
 

@@ -1,27 +1,35 @@
-// slab_kernels.h: Inner loops of volume rendering by splatting: sums of light over depth slabs, and their compositing,
-// compiled for every SIMD target by Highway.
+// slab_kernels.h: Inner loops of volume rendering by splatting: sums of moments of a field over depth slabs, and their
+// classification and compositing, compiled for every SIMD target by Highway.
 //
 // Along the ray of a pixel, with t the depth along the view and D the direction of forward component 1, a Gaussian is
 // a normal distribution about t* with deviation 1 / |W D|, cut at u = ±sqrt(k² - m²) deviations. The part of its
 // integral between u0 and u1 is
-//   e^{-m²/2} / |W D| (G(u1) - G(u0)),   G(u) = integral from 0 to u of e^{-s²/2} ds
-// times the density, and |D|, which is left to the end. The field is linear along the ray: its value in the middle of
-// the part gives the light of the whole part by LightQuadratic.
+//   tau = e^{-m²/2} / |W D| (G(u1) - G(u0)),   G(u) = integral from 0 to u of e^{-s²/2} ds
+// times the density, and |D|, which is left to the end. The field is linear along the ray: phi is its value in the
+// middle of the part, a share of its range. Channels of a slab are the sums of slab_moments.h:
+//   tau,  tau phi,  tau (phi² + r²),  tau (phi³ + 3 phi r² + third),  and for light tau g, g along right, down, forward
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include "render/by_value/slab_moments.h"
 #include "render/chebyshev_fit.h"
+#include "render/device/shading.h"
 #include "render/splat/splat_kernels.h"
 #include "vog/image.h"
 
 namespace vog::splat {
 
-/// Light along the pixels of a FarSplat. Depths are relative to that of the picture's SlabView.
+/// Sums of a slab.
+enum SlabChannel { kTau, kFirst, kSecond, kThird, kGradient };
+inline constexpr int kUnlitChannels = kGradient, kLitChannels = kGradient + 3;
+
+/// A field along the pixels of a FarSplat, as shares of its range. Depths are relative to that of the picture's SlabView.
 struct SlabSplat {
     float mean_x = 0, mean_y = 0;    ///< projected mean, from (column, row)
     float depth = 0;                 ///< of the mean
@@ -29,10 +37,11 @@ struct SlabSplat {
     float depth_x = 0, depth_y = 0;  ///< parallel rays: change of t* a pixel
     /// Deviation along a ray of forward component 1, 1 / |W D|, times sqrt(C), C that of FarSplat.
     float per_root = 0;
-    /// z of LightQuadratic: P = x x + y y and A of field_kernels.h; of parallel rays z at t* and its change with depth.
-    float x = 0, y = 0, along = 0;
-    std::array<std::array<float, 3>, 4> light{};  ///< LightQuadratic::c, in units of the picture
-    float near = 0, far = 0;                      ///< range of depths of the whole support
+    /// v, P = x x + y y and A of field_kernels.h; of parallel rays phi at t* and its change with depth.
+    float value = 0, x = 0, y = 0, along = 0;
+    float variance = 0, third = 0;  ///< central moments about the plane
+    float gradient[3] = {};         ///< right, down, forward, per SlabView::length
+    float near = 0, far = 0;        ///< range of depths of the whole support
 };
 
 /// Of a cutoff: G(u) / u in u², and e^{(x - k²)/2} in x = k² - m².
@@ -55,38 +64,53 @@ inline constexpr int kCellColumns = kTileWidth / kCellWidth, kCellRows = kTileHe
 /// Numbers of the pixels of a cell, rows from the top.
 using CellPixels = std::array<float, kCellPixels>;
 
-/// Sums of light / |D| in one slab of a cell.
-struct alignas(64) SlabSums {
-    std::array<CellPixels, 4> channel{};
+/// One channel of one slab.
+struct alignas(64) SlabPlane {
+    CellPixels pixel{};
+};
+
+/// Division of a picture's depths, the same for all its tiles: no seams.
+struct SlabDepths {
+    float first = 0, thickness = 1;  ///< depth of the first slab's front, and from slab to slab
 };
 
 /// Sums over the slabs of a cell, and colours composited of them.
 struct SlabCell {
     std::int32_t column = 0, row = 0;  ///< image position of the first pixel
-    float first = 0, thickness = 1;    ///< depth of the first slab's front, and from slab to slab
-    float most_share = 0;              ///< of maximum_cell: most_share_per_density
+    SlabDepths depths;
+    int slabs = 1, channels = kUnlitChannels;
     /// Whether rays are clipped, and between which depths.
     bool clipped = false;
     alignas(64) CellPixels clip_near{}, clip_far{};
-    std::vector<SlabSums> sums;                    ///< [slabs] all 0 between cells
+    std::vector<SlabPlane> planes;                 ///< [slabs][channels] all 0 between cells
     int lowest = kMostSlabs, highest = -1;         ///< slabs that splats may have added to
     alignas(64) std::array<CellPixels, 4> seen{};  ///< premultiplied colour, transmittance
 
-    int slabs() const { return static_cast<int>(sums.size()); }
+    void resize(int of_slabs, int of_channels) {
+        slabs = of_slabs, channels = of_channels;
+        planes.resize(static_cast<std::size_t>(slabs) * static_cast<std::size_t>(channels));
+    }
+    /// Channel 0 of a slab; the others follow.
+    SlabPlane* slab(int n) { return planes.data() + static_cast<std::ptrdiff_t>(n) * channels; }
+    const SlabPlane* slab(int n) const { return const_cast<SlabCell*>(this)->slab(n); }
     int slab_at(float depth) const {
-        return static_cast<int>(
-            std::clamp((depth - first) / thickness, 0.0f, static_cast<float>(slabs() - 1)));
+        return static_cast<int>(std::clamp((depth - depths.first) / depths.thickness, 0.0f,
+                                           static_cast<float>(slabs - 1)));
     }
     bool touched() const { return lowest <= highest; }
     void touch(int from, int to) {
         lowest = std::min(lowest, from);
         highest = std::max(highest, to);
     }
+    /// Sets the sums of slabs from ... to to 0.
+    void clear(int from, int to) {
+        if (from <= to)
+            std::memset(static_cast<void*>(slab(from)), 0,
+                        sizeof(SlabPlane) * static_cast<std::size_t>((to - from + 1) * channels));
+    }
     /// Sets all sums to 0.
     void clear() {
-        if (touched())
-            std::memset(static_cast<void*>(&sums[static_cast<std::size_t>(lowest)]), 0,
-                        sizeof(SlabSums) * static_cast<std::size_t>(highest - lowest + 1));
+        clear(lowest, highest);
         lowest = kMostSlabs, highest = -1;
     }
 };
@@ -99,7 +123,7 @@ struct CellSplat {
 /// Those of one batch, by first slab.
 struct CellRun {
     const FarSplat* far = nullptr;
-    const SlabSplat* lights = nullptr;
+    const SlabSplat* fields = nullptr;
     std::span<const CellSplat> splats;
 };
 /// Those of a picture.
@@ -109,15 +133,22 @@ struct CellSplats {
     const CameraFrame& frame;
 };
 
+/// What makes light of the sums of a picture.
+struct SlabLight {
+    const CameraFrame& frame;
+    const by_value::LightOfMoments& light;  ///< times SplatModel::unit
+    device::BlinnPhong look;                ///< its light along right, down, forward
+};
+
 /// The loops for one SIMD target.
 struct SlabKernels {
     /// Adds all splats.
     void (*sum)(const CellSplats& splats, SlabCell& cell);
-    /// Adds the splats that begin in a slab, composites the slab, and goes on to the next, as long as one of the
-    /// pixels is not dark. Empties the runs; sums behind the last slab stay.
-    void (*draw)(const CellSplats& splats, SlabCell& cell);
+    /// Adds the splats that begin in a slab, composites the one before, and goes on to the next, as long as one of
+    /// the pixels is not dark. Empties the runs; sums behind the last slab stay.
+    void (*draw)(const CellSplats& splats, const SlabLight& light, SlabCell& cell);
     /// Composites sums.
-    void (*composite)(const CameraFrame& frame, SlabCell& cell);
+    void (*composite)(const SlabLight& light, SlabCell& cell);
 };
 /// Those of the same target as `kernels`.
 const SlabKernels& slab_kernels(const SplatKernels& kernels);

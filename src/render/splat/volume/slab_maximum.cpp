@@ -9,23 +9,24 @@
 
 namespace vog::splat {
 
-void maximum_cell(SlabCell& cell) {
+void maximum_cell(float most_share, SlabCell& cell) {
     constexpr float kNothing = -std::numeric_limits<float>::infinity();
     constexpr auto kShare = static_cast<float>(kLeastDensityShare);
-    const float most = cell.most_share / cell.thickness;
     CellPixels least{}, largest;
     largest.fill(kNothing);
     for (int slab = cell.lowest; slab <= cell.highest; ++slab) {
-        const CellPixels& weight = cell.sums[static_cast<std::size_t>(slab)].channel[3];
+        const CellPixels& weight = cell.slab(slab)[kTau].pixel;
         for (std::size_t n = 0; n < kCellPixels; ++n)
             least[n] = std::max(least[n], kShare * weight[n]);
     }
     for (int slab = cell.lowest; slab <= cell.highest; ++slab) {
-        const auto& [sum, green, blue, weight] = cell.sums[static_cast<std::size_t>(slab)].channel;
+        const CellPixels &weight = cell.slab(slab)[kTau].pixel,
+                         &sum = cell.slab(slab)[kFirst].pixel;
         for (std::size_t n = 0; n < kCellPixels; ++n)
-            largest[n] = weight[n] > 0 && weight[n] >= least[n]
-                             ? std::max(largest[n], std::min(sum[n] / weight[n], most * weight[n]))
-                             : largest[n];
+            largest[n] =
+                weight[n] > 0 && weight[n] >= least[n]
+                    ? std::max(largest[n], std::min(sum[n] / weight[n], most_share * weight[n]))
+                    : largest[n];
     }
     cell.seen = {};
     for (std::size_t n = 0; n < kCellPixels; ++n) {

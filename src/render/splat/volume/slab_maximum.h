@@ -5,8 +5,7 @@
 
 namespace vog::splat {
 
-/// Largest mean over slabs of light made by value_planes (render/by_value/value_light.h): red, with alpha 1 where
-/// there is one. Sets SlabCell::seen.
-void maximum_cell(SlabCell& cell);
+/// Largest mean over slabs: red, a share of the field's range, with alpha 1 where there is one. Sets SlabCell::seen.
+void maximum_cell(float most_share, SlabCell& cell);
 
 }  // namespace vog::splat

@@ -1,83 +1,64 @@
-// slab_picture.cpp: Splats of tiles sorted by slab, and their sums.
+// slab_picture.cpp: splats of tiles sorted by slab, and their sums.
 #include "render/splat/volume/slab_picture.h"
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <numeric>
 
 #include "render/splat/volume/slab_maximum.h"
 
 namespace vog::splat {
 
-namespace {
-
-bool is_dark(const LightQuadratic& light) {
-    return std::ranges::all_of(
-        light.c, [](const std::array<float, 3>& c) { return c[0] == 0 && c[1] == 0 && c[2] == 0; });
+SlabDepths slab_depths(const DepthRange& range, int slabs) {
+    // A margin keeps rounded depths inside.
+    const float margin = 1e-5f * (range.far - range.near) + std::numeric_limits<float>::min();
+    return {range.near - margin, (range.far - range.near + 2 * margin) / static_cast<float>(slabs)};
 }
 
-}  // namespace
-
-void SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::size_t first,
-                          std::size_t last) const {
+DepthRange SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::size_t first,
+                                std::size_t last) const {
     ProjectedSplats& splats = batch.splats;
     splats.keep_origin = true;
-    batch.lights.resize(std::max(batch.lights.size(), last - first));
+    batch.fields.resize(std::max(batch.fields.size(), last - first));
+    DepthRange all = kNoDepths;
+    std::mutex joining;
     splats.project(kernels, model, view.frame, first, last, [&](SplatChunk& chunk) {
-        std::erase_if(chunk.near,
-                      [&](const NearSplat& splat) { return is_dark(view.light[splat.index]); });
-        std::size_t kept = chunk.slot;
+        DepthRange range = kNoDepths;
         for (std::size_t n = chunk.slot; n < chunk.slot + chunk.count; ++n) {
-            if (is_dark(view.light[splats.origin[n].index])) continue;
-            splats.far[kept] = splats.far[n];
-            splats.bounds[kept] = splats.bounds[n];
-            splats.origin[kept] = splats.origin[n];
-            batch.lights[kept] = slab_splat(view, splats.origin[kept], splats.far[kept]);
-            ++kept;
+            SlabSplat& field = batch.fields[n];
+            field = slab_splat(view, splats.origin[n], splats.far[n]);
+            range.include({field.near, field.far});
         }
-        chunk.count = kept - chunk.slot;
+        for (const NearSplat& splat : chunk.near) range.include(depths_of(view, splat.index));
+        const std::scoped_lock lock(joining);
+        all.include(range);
     });
+    return all;
 }
 
-DepthRange SlabPicture::find(int t, SlabBuffers& buffers) const {
-    DepthRange range = kNoDepths;
-    const auto include = [&](float near, float far) {
-        range.near = std::min(range.near, near);
-        range.far = std::max(range.far, far);
-    };
+bool SlabPicture::find(int t, SlabBuffers& buffers) const {
+    bool any = false;
     buffers.near.clear();
     buffers.of_batch.resize(std::max(buffers.of_batch.size(), batches.size()));
     for (std::size_t b = 0; b < batches.size(); ++b) {
-        const SlabBatch& batch = batches[b];
         std::vector<std::uint32_t>& found = buffers.of_batch[b].found;
         found.clear();
-        batch.splats.visit(
+        any |= batches[b].splats.visit(
             t, view.frame,
             [&](const std::uint32_t* index, std::size_t count) {
                 found.insert(found.end(), index, index + count);
             },
-            [&](const NearSplat& splat) {
-                buffers.near.push_back(&splat);
-                const DepthRange depths = depths_of(view, splat.index);
-                include(depths.near, depths.far);
-            });
-        for (const std::uint32_t n : found) include(batch.lights[n].near, batch.lights[n].far);
+            [&](const NearSplat& splat) { buffers.near.push_back(&splat); });
     }
-    return range;
+    return any;
 }
 
-void SlabPicture::set_slabs(const DepthRange& range, SlabCell& cell) const {
-    // A margin keeps rounded depths inside.
-    const float margin = 1e-5f * (range.far - range.near) + std::numeric_limits<float>::min();
-    cell.first = range.near - margin;
-    cell.thickness = (range.far - range.near + 2 * margin) / static_cast<float>(cell.slabs());
-}
-
-void SlabPicture::divide(int t, const DepthRange& range, SlabBuffers& buffers) const {
-    const SlabCell& cell = buffers.cell;
-    set_slabs(range, buffers.cell);
+void SlabPicture::divide(int t, SlabBuffers& buffers) const {
+    SlabCell& cell = buffers.cell;
+    cell.depths = depths;
     const int left = tiles().column_of(t), top = tiles().row_of(t);
-    const auto slabs = static_cast<std::size_t>(cell.slabs());
+    const auto slabs = static_cast<std::size_t>(cell.slabs);
     for (std::size_t b = 0; b < batches.size(); ++b) {
         // Two counting sorts, stable: sums have one order for any number of threads.
         const SlabBatch& batch = batches[b];
@@ -86,12 +67,12 @@ void SlabPicture::divide(int t, const DepthRange& range, SlabBuffers& buffers) c
             return static_cast<std::uint16_t>(cell.slab_at(depth));
         };
         of.begin.assign(slabs + 1, 0);
-        for (const std::uint32_t n : of.found) ++of.begin[slab_of(batch.lights[n].near) + 1u];
+        for (const std::uint32_t n : of.found) ++of.begin[slab_of(batch.fields[n].near) + 1u];
         std::partial_sum(of.begin.begin(), of.begin.end(), of.begin.begin());
         of.sorted.resize(of.found.size());
         for (const std::uint32_t n : of.found) {
-            const std::uint16_t first = slab_of(batch.lights[n].near);
-            of.sorted[of.begin[first]++] = {n, first, slab_of(batch.lights[n].far)};
+            const std::uint16_t first = slab_of(batch.fields[n].near);
+            of.sorted[of.begin[first]++] = {n, first, slab_of(batch.fields[n].far)};
         }
         const auto each_cell = [&](const CellSplat& splat, const auto& visit) {
             const PixelBounds& at = batch.splats.bounds[splat.splat];
@@ -130,13 +111,13 @@ bool SlabPicture::begin_cell(int t, int n, SlabBuffers& buffers) const {
         const SlabBuffers::TileSplats& of = buffers.of_batch[b];
         const auto at = static_cast<std::size_t>(n);
         const std::uint32_t first = of.cell_begin[at], last = of.cell_begin[at + 1];
-        buffers.runs.push_back({batches[b].splats.far.data(), batches[b].lights.data(),
+        buffers.runs.push_back({batches[b].splats.far.data(), batches[b].fields.data(),
                                 std::span(of.in_cells).subspan(first, last - first)});
         any |= first < last;
     }
     if (!any) return false;
     set_clip(view, cell);
-    for (const NearSplat* splat : buffers.near) add_near_light(view, *splat, cell);
+    for (const NearSplat* splat : buffers.near) add_near_splat(view, *splat, cell);
     return true;
 }
 
@@ -157,29 +138,28 @@ void SlabPicture::write(const SlabCell& cell, Rgba* image) const {
 }
 
 void SlabPicture::finish_cell(SlabCell& cell, Rgba* image) const {
-    if (sums == SlabQuantity::light)
-        slab_kernels(kernels).composite(view.frame, cell);
+    if (light)
+        slab_kernels(kernels).composite(*light, cell);
     else
-        maximum_cell(cell);
+        maximum_cell(most_share, cell);
     write(cell, image);
     cell.clear();
 }
 
 void SlabPicture::draw_tile(int t, SlabBuffers& buffers, Rgba* image) const {
-    const DepthRange range = find(t, buffers);
-    const bool empty = !(range.near <= range.far);
-    if (!empty) divide(t, range, buffers);
+    const bool any = find(t, buffers);
+    if (any) divide(t, buffers);
     SlabCell& cell = buffers.cell;
     for (int n = 0; n < kCellColumns * kCellRows; ++n) {
         if (!place_cell(t, n, cell)) continue;
-        if (empty || !begin_cell(t, n, buffers)) {
+        if (!any || !begin_cell(t, n, buffers)) {
             cell.seen = {};
             cell.seen[3].fill(1);
             write(cell, image);
             continue;
         }
-        if (sums == SlabQuantity::light) {
-            slab_kernels(kernels).draw({buffers.runs, polynomials, view.frame}, cell);
+        if (light) {
+            slab_kernels(kernels).draw({buffers.runs, polynomials, view.frame}, *light, cell);
             write(cell, image);
             cell.clear();
         } else {

@@ -12,14 +12,11 @@
 
 namespace vog::splat {
 
-/// Splats of a run of Gaussians: as many as fit the bins. Gaussians without light are left out.
+/// Splats of a run of Gaussians: as many as fit the bins.
 struct SlabBatch {
     ProjectedSplats splats;
-    std::vector<SlabSplat> lights;
+    std::vector<SlabSplat> fields;
 };
-
-/// Quantity made of the sums over slabs.
-enum class SlabQuantity { light, maximum };
 
 /// Buffers of a thread.
 struct SlabBuffers {
@@ -41,24 +38,29 @@ struct SlabBuffers {
 inline constexpr DepthRange kNoDepths{std::numeric_limits<float>::infinity(),
                                       -std::numeric_limits<float>::infinity()};
 
+/// Slabs that divide a range of depths, not empty.
+SlabDepths slab_depths(const DepthRange& range, int slabs);
+
 /// One picture in progress.
 struct SlabPicture {
     const SlabView& view;
     const SplatKernels& kernels;
     const SlabPolynomials& polynomials;
     const std::deque<SlabBatch>& batches;
-    SlabQuantity sums = SlabQuantity::light;
+    SlabDepths depths{};
+    const SlabLight* light = nullptr;  ///< null: of a maximum
+    float most_share =
+        0;  ///< of a maximum: largest share of the field's range per unit of kTau in a slab
 
     /// Projects and bins Gaussians first ... last - 1.
-    void project(const SplatModel& model, SlabBatch& batch, std::size_t first,
-                 std::size_t last) const;
+    /// returns  range of their depths
+    DepthRange project(const SplatModel& model, SlabBatch& batch, std::size_t first,
+                       std::size_t last) const;
     /// Finds the splats of tile t.
-    /// returns  range of their depths; empty: near > far
-    DepthRange find(int t, SlabBuffers& buffers) const;
-    /// Divides a range of depths, not empty, into slabs.
-    void set_slabs(const DepthRange& range, SlabCell& cell) const;
-    /// The same, and sorts the splats found by cell and slab.
-    void divide(int t, const DepthRange& range, SlabBuffers& buffers) const;
+    /// returns  whether there are any
+    bool find(int t, SlabBuffers& buffers) const;
+    /// Sorts the splats found by cell and slab.
+    void divide(int t, SlabBuffers& buffers) const;
     /// Places the buffers' cell at cell n of tile t, with its splats.
     /// returns  whether there is any
     bool begin_cell(int t, int n, SlabBuffers& buffers) const;

@@ -1,5 +1,5 @@
-// slab_rows-inl.h: Light of splats to the depth slabs of a cell, one SIMD vector of pixels at a time, single precision.
-// Included once per SIMD target by slab_kernels.cpp, after splat_rows-inl.h.
+// slab_rows-inl.h: Moments of splats to the depth slabs of a cell, one SIMD vector of pixels at a time, single precision.
+// Included once per SIMD target by slab_kernels.cpp, after slab_finish-inl.h.
 
 /// ChebyshevFit in every lane. kDegree < 0: any degree, read term by term.
 template <int kDegree, class V>
@@ -60,35 +60,24 @@ struct SlabPolynomialLanes {
 
 /// Coefficients of a splat, the same at all pixels; deviations in the scale of the polynomial.
 template <class V>
-struct LightLanes {
-    V light[4][3];
-    V depth, forward, per_forward, half_per_root, root_by, x, y, along, depth_x, depth_y;
+struct ValueLanes {
+    V depth, forward, per_forward, half_per_root, root_by, value, x, y, along, depth_x, depth_y;
+    V variance, variance3, third, gradient[3];
 };
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE LightLanes<V> light_lanes(D d, const SlabSplat& s, float scale) {
+HWY_INLINE ValueLanes<V> value_lanes(D d, const SlabSplat& s, float scale) {
     const auto set = [&](float v) { return hn::Set(d, v); };
-    LightLanes<V> lanes;
-    for (std::size_t c = 0; c < 4; ++c)
-        for (std::size_t n = 0; n < 3; ++n) lanes.light[c][n] = set(s.light[c][n]);
+    ValueLanes<V> lanes;
     lanes.depth = set(s.depth), lanes.per_forward = set(1 / s.forward);
     lanes.forward = set(s.forward);
     lanes.half_per_root = set(0.5f * s.per_root / scale), lanes.root_by = set(scale / s.per_root);
-    lanes.x = set(s.x), lanes.y = set(s.y), lanes.along = set(s.along);
+    lanes.value = set(s.value), lanes.x = set(s.x), lanes.y = set(s.y), lanes.along = set(s.along);
     lanes.depth_x = set(s.depth_x), lanes.depth_y = set(s.depth_y);
+    lanes.variance = set(s.variance), lanes.variance3 = set(3 * s.variance);
+    lanes.third = set(s.third);
+    for (int n = 0; n < 3; ++n) lanes.gradient[n] = set(s.gradient[n]);
     return lanes;
 }
-
-/// Offsets of the pixels of a cell. Columns repeat, for vectors of any length up to 16.
-alignas(64) constexpr auto kCellX = [] {
-    std::array<float, kCellWidth + TilePixels::kMaxLanes> x{};
-    for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kCellWidth);
-    return x;
-}();
-alignas(64) constexpr auto kCellY = [] {
-    CellPixels y{};
-    for (std::size_t n = 0; n < y.size(); ++n) y[n] = static_cast<float>(n / kCellWidth);
-    return y;
-}();
 
 /// Columns of a vector of pixels, from the origin of a splat, and forms that are the same in all rows.
 template <class V>
@@ -96,11 +85,11 @@ struct CellLanes {
     V x, a_row, c_row, dx;
 };
 
-/// Chords of a vector of pixels, and coefficients of the light along them. u: deviations from the nearest point, in the polynomial's scale.
+/// Chords of a vector of pixels, and the field along them. u: deviations from the nearest point, in the polynomial's scale.
 template <class V>
 struct ChordLanes {
     V lowest, highest, before, end;  ///< ends in u, and the integrals up to them
-    V peak, z, half_slope;           ///< z at the nearest point, half its change with u
+    V peak, phi, half_slope;         ///< phi at the nearest point, half its change with u
     V nearest, per_depth;            ///< depth of u = 0, change of u with depth
 };
 /// Range of the depths of chords.
@@ -121,7 +110,7 @@ HWY_INLINE V form_at(D d, const SplatLanes<V>& s, const CellLanes<V>& columns, V
 /// y, dy  rows from the splat's origin, and from its mean
 template <bool kParallel, bool kClipped, class Polynomials, class D, class V = hn::Vec<D>>
 HWY_INLINE void find_chords(D d, const Polynomials& polynomials, const SplatLanes<V>& s,
-                            const LightLanes<V>& light, const CellLanes<V>& columns, V big_f, V y,
+                            const ValueLanes<V>& of, const CellLanes<V>& columns, V big_f, V y,
                             V dy, const SlabCell& cell, std::size_t n, ChordLanes<V>& out,
                             ChordDepths<V>& depths) {
     const V dx = columns.dx;
@@ -135,24 +124,24 @@ HWY_INLINE void find_chords(D d, const Polynomials& polynomials, const SplatLane
     const V peak_at = hn::MulSub(ratio, polynomials.peak.slope, one);
     const V peak = hn::Mul(hn::Mul(per_root, polynomials.unscale),
                            polynomial_at(d, polynomials.peak, peak_at));
-    const V half_deviation = hn::Mul(light.half_per_root, per_root);
-    V nearest, z, half_slope;  // t*, z there, half the change of z with u
+    const V half_deviation = hn::Mul(of.half_per_root, per_root);
+    V nearest, phi, half_slope;  // t*, phi there, half the change of phi with u
     if constexpr (kParallel) {
-        nearest = hn::MulAdd(light.depth_x, dx, hn::MulAdd(light.depth_y, dy, light.depth));
-        z = hn::MulAdd(light.x, dx, hn::Mul(light.y, dy));
-        half_slope = hn::Mul(light.along, half_deviation);
+        nearest = hn::MulAdd(of.depth_x, dx, hn::MulAdd(of.depth_y, dy, of.depth));
+        phi = hn::MulAdd(of.x, dx, hn::MulAdd(of.y, dy, of.value));
+        half_slope = hn::Mul(of.along, half_deviation);
     } else {
-        const V across = hn::MulAdd(light.x, dx, hn::Mul(light.y, dy));
-        const V along = hn::Add(light.along, across);
+        const V across = hn::MulAdd(of.x, dx, hn::Mul(of.y, dy));
+        const V along = hn::Add(of.along, across);
         const V delta_x = hn::MulAdd(s.cx, dx, hn::Mul(s.cy, dy));
         const V delta_y = hn::Mul(s.dy, dy);
         const V q = hn::Mul(hn::MulAdd(delta_x, c_form, hn::Mul(delta_y, d_form)), per_c);
-        nearest = hn::NegMulAdd(light.forward, q, light.depth);
-        z = hn::NegMulAdd(q, along, across);
-        half_slope = hn::Mul(along, hn::Mul(half_deviation, light.per_forward));
+        nearest = hn::NegMulAdd(of.forward, q, of.depth);
+        phi = hn::NegMulAdd(q, along, hn::Add(across, of.value));
+        half_slope = hn::Mul(along, hn::Mul(half_deviation, of.per_forward));
     }
     // Depths from the nearest point become scaled deviations.
-    const V per_deviation = hn::Mul(hn::Mul(c, per_root), light.root_by);
+    const V per_deviation = hn::Mul(hn::Mul(c, per_root), of.root_by);
     V lowest = hn::Neg(reach), highest = reach;
     if constexpr (kClipped) {
         const auto end_of = [&](const CellPixels& clip) {
@@ -167,7 +156,7 @@ HWY_INLINE void find_chords(D d, const Polynomials& polynomials, const SplatLane
     };
     const V before = part_at(lowest);
     const V end = kClipped ? part_at(highest) : hn::Neg(before);  // an odd function
-    out = {lowest, highest, before, end, peak, z, half_slope, nearest, per_deviation};
+    out = {lowest, highest, before, end, peak, phi, half_slope, nearest, per_deviation};
     const V deviation = hn::Add(half_deviation, half_deviation);
     depths.near = hn::Min(depths.near, hn::MulAdd(lowest, deviation, nearest));
     depths.far = hn::Max(depths.far, hn::MulAdd(highest, deviation, nearest));
@@ -176,28 +165,31 @@ HWY_INLINE void find_chords(D d, const Polynomials& polynomials, const SplatLane
 /// Adds the parts of a vector of pixels to the slabs they lie in.
 /// first_back  depth of the back of the first of the slabs
 /// sums        of the first pixel in it
-template <class Polynomials, class D, class V = hn::Vec<D>>
-HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const LightLanes<V>& light,
+template <bool kLit, class Polynomials, class D, class V = hn::Vec<D>>
+HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const ValueLanes<V>& of,
                           const ChordLanes<V>& chord, float first_back, float slab_depth, int slabs,
                           float* sums) {
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    const V one = hn::Set(d, 1.0f);
     V from = chord.lowest, before = chord.before;
     V back = hn::Mul(hn::Sub(hn::Set(d, first_back), chord.nearest), chord.per_depth);
     const V thickness = hn::Mul(hn::Set(d, slab_depth), chord.per_depth);
+    const auto add = [&](int channel, V tau, V by) {
+        float* sum = sums + channel * kCellPixels;
+        hn::Store(hn::MulAdd(tau, by, hn::Load(d, sum)), d, sum);
+    };
     const auto add_part = [&](V to, V after) {
         const V tau = hn::Mul(chord.peak, hn::Sub(after, before));
         // In the middle of the part.
-        const V at_z = hn::MulAdd(chord.half_slope, hn::Add(from, to), chord.z);
-        for (std::size_t channel = 0; channel < 4; ++channel) {
-            const V* q = light.light[channel];
-            V expected = hn::MulAdd(hn::MulAdd(q[2], at_z, q[1]), at_z, q[0]);
-            // Colour is limited by what is absorbed in the end, for all splats at once.
-            if (channel == 3) expected = hn::Max(expected, zero);
-            float* sum = sums + channel * kCellPixels;
-            hn::Store(hn::MulAdd(tau, expected, hn::Load(d, sum)), d, sum);
-        }
+        const V phi = hn::MulAdd(chord.half_slope, hn::Add(from, to), chord.phi);
+        const V square = hn::Mul(phi, phi);
+        hn::Store(hn::Add(tau, hn::Load(d, sums)), d, sums);
+        add(kFirst, tau, phi);
+        add(kSecond, tau, hn::Add(square, of.variance));
+        add(kThird, tau, hn::MulAdd(hn::Add(square, of.variance3), phi, of.third));
+        if constexpr (kLit)
+            for (int n = 0; n < 3; ++n) add(kGradient + n, tau, of.gradient[n]);
         from = to, before = after;
-        sums += sizeof(SlabSums) / sizeof(float);
+        sums += (kLit ? kLitChannels : kUnlitChannels) * kCellPixels;
     };
     for (int slab = 1; slab < slabs; ++slab) {
         const V to = hn::Min(hn::Max(back, chord.lowest), chord.highest);
@@ -208,15 +200,15 @@ HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const LightLanes<
     add_part(chord.highest, chord.end);
 }
 
-template <bool kParallel, bool kClipped, class Polynomials, class D>
-HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& light, const CellSplat& slabs,
+template <bool kParallel, bool kClipped, bool kLit, class Polynomials, class D>
+HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& field, const CellSplat& slabs,
                           const Polynomials& polynomials, SlabCell& cell) {
     using V = hn::Vec<D>;
     const SplatLanes<V> lanes = splat_lanes(d, s);
-    const LightLanes<V> lights = light_lanes(d, light, hn::GetLane(polynomials.scale));
+    const ValueLanes<V> values = value_lanes(d, field, hn::GetLane(polynomials.scale));
     const V left = hn::Set(d, static_cast<float>(cell.column - s.column));
     const V top = hn::Set(d, static_cast<float>(cell.row - s.row));
-    const V mean_x = hn::Set(d, light.mean_x), mean_y = hn::Set(d, light.mean_y);
+    const V mean_x = hn::Set(d, field.mean_x), mean_y = hn::Set(d, field.mean_y);
     const auto inside = [](int at, int first, int most) {
         return static_cast<std::size_t>(std::clamp(at - first, 0, most));
     };
@@ -245,7 +237,7 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& light, const 
         ChordDepths<V> depths{hn::Set(d, std::numeric_limits<float>::max()),
                               hn::Set(d, std::numeric_limits<float>::lowest())};
         for (std::size_t n = 0; n < count; ++n)
-            find_chords<kParallel, kClipped>(d, polynomials, lanes, lights, columns, forms[n],
+            find_chords<kParallel, kClipped>(d, polynomials, lanes, values, columns, forms[n],
                                              ys[n], hn::Sub(ys[n], mean_y), cell, rows[n],
                                              chords[n], depths);
         // Fewer slabs than the whole splat meets: never one that is composited already.
@@ -254,89 +246,17 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& light, const 
         const int last = std::clamp<int>(cell.slab_at(hn::GetLane(hn::MaxOfLanes(d, depths.far))),
                                          first, slabs.last);
         cell.touch(first, last);
-        const float first_back = cell.first + static_cast<float>(first + 1) * cell.thickness;
-        float* sums = cell.sums[static_cast<std::size_t>(first)].channel[0].data();
+        const float first_back =
+            cell.depths.first + static_cast<float>(first + 1) * cell.depths.thickness;
+        float* sums = cell.slab(first)->pixel.data();
         for (std::size_t n = 0; n < count; ++n)
-            add_parts(d, polynomials, lights, chords[n], first_back, cell.thickness,
-                      last - first + 1, sums + rows[n]);
+            add_parts<kLit>(d, polynomials, values, chords[n], first_back, cell.depths.thickness,
+                            last - first + 1, sums + rows[n]);
     }
-}
-
-/// Composites a slab behind those before, and sets its sums to 0 while they are in the cache.
-/// length   |D| of the pixels
-/// returns  whether all pixels are dark
-template <class D>
-HWY_INLINE bool composite_slab(D d, SlabSums& sums, const CellPixels& length, SlabCell& cell) {
-    using V = hn::Vec<D>;
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), dark = hn::Set(d, kDarkTransmittance);
-    bool hidden = true;
-    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
-        const V s = hn::Load(d, sums.channel[3].data() + n);
-        const V before = hn::Load(d, cell.seen[3].data() + n);
-        const V along = hn::Load(d, length.data() + n);
-        const V depth = hn::Mul(s, along);
-        // (1 - e^{-depth}) / depth, and e^{-depth}; the series where the difference cancels
-        V share =
-            hn::MulAdd(hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
-                                  depth, hn::Set(d, -0.5f)),
-                       depth, one);
-        V passed = hn::NegMulAdd(depth, share, one);
-        const auto thin = hn::Lt(depth, hn::Set(d, 0.06f));
-        if (!hn::AllTrue(d, thin)) {
-            passed = hn::IfThenElse(thin, passed, hn::Exp(d, hn::Neg(depth)));
-            share = hn::IfThenElse(
-                thin, share, hn::Div(hn::Sub(one, passed), hn::Max(depth, hn::Set(d, 1e-3f))));
-        }
-        const V weight = hn::Mul(hn::Mul(before, share), along);
-        for (std::size_t channel = 0; channel < 3; ++channel) {
-            // Quadratics are fitted one by one: light is at most all that is absorbed.
-            const V light =
-                hn::Max(hn::Min(hn::Load(d, sums.channel[channel].data() + n), s), zero);
-            float* color = cell.seen[channel].data() + n;
-            hn::Store(hn::MulAdd(weight, light, hn::Load(d, color)), d, color);
-        }
-        for (CellPixels& pixels : sums.channel) hn::Store(zero, d, pixels.data() + n);
-        const V after = hn::Mul(before, passed);
-        hn::Store(after, d, cell.seen[3].data() + n);
-        hidden = hidden && hn::AllTrue(d, hn::Lt(after, dark));
-    }
-    return hidden;
-}
-
-/// |D| of the pixels of a cell: |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
-template <class D>
-void set_lengths(D d, const CameraFrame& frame, const SlabCell& cell, CellPixels& length) {
-    const double pixel = frame.orthographic ? 0 : 1 / frame.pixels_per_unit;
-    const auto slope_at = [&](double at, int size) {
-        return hn::Set(d, static_cast<float>((at - 0.5 * (size - 1)) * pixel));
-    };
-    const auto left = slope_at(cell.column, frame.width), top = slope_at(cell.row, frame.height);
-    const auto step = hn::Set(d, static_cast<float>(pixel));
-    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
-        const auto x = hn::MulAdd(hn::LoadU(d, kCellX.data() + n % kCellWidth), step, left);
-        const auto y = hn::MulAdd(hn::Load(d, kCellY.data() + n), step, top);
-        hn::Store(hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Set(d, 1.0f)))), d,
-                  length.data() + n);
-    }
-}
-
-inline void begin_colors(SlabCell& cell) {
-    for (std::size_t channel = 0; channel < 4; ++channel)
-        cell.seen[channel].fill(channel == 3 ? 1.0f : 0.0f);
-}
-
-template <class Tags>
-void composite_cell(const CameraFrame& frame, SlabCell& cell) {
-    const typename Tags::Floats d;
-    alignas(64) CellPixels length;
-    set_lengths(d, frame, cell, length);
-    begin_colors(cell);
-    for (int slab = cell.lowest; slab <= cell.highest; ++slab)
-        if (composite_slab(d, cell.sums[static_cast<std::size_t>(slab)], length, cell)) return;
 }
 
 /// Calls body(add) with a loop over splats for the frame and the polynomials.
-template <bool kParallel, int kPart, int kPeak, class Tags, class Body>
+template <bool kParallel, bool kLit, int kPart, int kPeak, class Tags, class Body>
 void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
     const typename Tags::Floats d;
     using V = hn::Vec<typename Tags::Floats>;
@@ -349,24 +269,30 @@ void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
     body([&](const CellRun& run, std::size_t count) {
         for (std::size_t n = 0; n < count; ++n) {
             const CellSplat& at = run.splats[n];
-            add_splat<kParallel, kClipped>(d, run.far[at.splat], run.lights[at.splat], at, lanes,
-                                           cell);
+            add_splat<kParallel, kClipped, kLit>(d, run.far[at.splat], run.fields[at.splat], at,
+                                                 lanes, cell);
         }
     });
 }
-template <class Tags, class Body>
-void with_splats(const CellSplats& splats, SlabCell& cell, const Body& body) {
+template <bool kParallel, bool kLit, class Tags, class Body>
+void with_channels(const CellSplats& splats, SlabCell& cell, const Body& body) {
     // The degrees of the default cutoff are unrolled, without a clip.
     constexpr int kPart = 5, kPeak = 6;
     const SlabPolynomials& polynomials = splats.polynomials;
     const bool usual = !cell.clipped && polynomials.part.coefficient.size() == kPart + 1 &&
                        polynomials.peak.coefficient.size() == kPeak + 1;
+    usual ? with_degrees<kParallel, kLit, kPart, kPeak, Tags>(splats, cell, body)
+          : with_degrees<kParallel, kLit, -1, -1, Tags>(splats, cell, body);
+}
+template <class Tags, class Body>
+void with_splats(const CellSplats& splats, SlabCell& cell, const Body& body) {
+    const bool lit = cell.channels == kLitChannels;
     if (splats.frame.orthographic)
-        usual ? with_degrees<true, kPart, kPeak, Tags>(splats, cell, body)
-              : with_degrees<true, -1, -1, Tags>(splats, cell, body);
+        lit ? with_channels<true, true, Tags>(splats, cell, body)
+            : with_channels<true, false, Tags>(splats, cell, body);
     else
-        usual ? with_degrees<false, kPart, kPeak, Tags>(splats, cell, body)
-              : with_degrees<false, -1, -1, Tags>(splats, cell, body);
+        lit ? with_channels<false, true, Tags>(splats, cell, body)
+            : with_channels<false, false, Tags>(splats, cell, body);
 }
 
 template <class Tags>
@@ -377,13 +303,12 @@ void sum_cell(const CellSplats& splats, SlabCell& cell) {
 }
 
 template <class Tags>
-void draw_cell(const CellSplats& splats, SlabCell& cell) {
+void draw_cell(const CellSplats& splats, const SlabLight& light, SlabCell& cell) {
     const typename Tags::Floats d;
-    alignas(64) CellPixels length;
-    set_lengths(d, splats.frame, cell, length);
-    begin_colors(cell);
+    CellRays rays;
+    begin_rays(d, splats.frame, cell, rays);
     with_splats<Tags>(splats, cell, [&](const auto& add) {
-        for (int slab = 0; slab < cell.slabs(); ++slab) {
+        for (int slab = 0; slab <= cell.slabs; ++slab) {
             bool more = false;
             for (CellRun& run : splats.runs) {
                 std::size_t count = 0;
@@ -392,14 +317,15 @@ void draw_cell(const CellSplats& splats, SlabCell& cell) {
                 run.splats = run.splats.subspan(count);
                 more |= !run.splats.empty();
             }
-            if (slab < cell.lowest) continue;
-            // A slab is complete once the splats that begin in it are added.
-            if (slab <= cell.highest) {
-                cell.lowest = slab + 1;
-                if (composite_slab(d, cell.sums[static_cast<std::size_t>(slab)], length, cell))
-                    return;
+            // The slab before is complete, and so is this one, which its surfaces are found by.
+            const int complete = slab - 1;
+            if (complete >= cell.lowest && complete <= cell.highest) {
+                if (composite_slab(d, light, complete, rays, cell)) return;
+                // It stays as the neighbour of the next one.
+                cell.clear(cell.lowest, complete - 1);
+                cell.lowest = complete;
             }
-            if (!more && slab >= cell.highest) return;
+            if (!more && complete >= cell.highest) return;
         }
     });
 }

@@ -6,11 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "render/by_value/value_light.h"
 #include "render/splat/fields/projected_mean.h"
 
 namespace vog::splat {
-
-using by_value::Shading;
 
 namespace {
 
@@ -19,23 +18,15 @@ float as_float(double number) {
     return static_cast<float>(std::clamp(number, -kMost, kMost));
 }
 
-/// Light of a Gaussian, shaded as the middle of the picture sees it.
-LightQuadratic lit(const SlabView& view, std::size_t i) {
-    if (!view.lighting.on()) return view.light[i];
-    const Vec3d towards = view.frame.orthographic
-                              ? -view.frame.forward
-                              : view.frame.eye - vec_cast<double>(view.gaussians.mean[i]);
-    if (!(length(towards) > 0)) return view.light[i];
-    const Shading shading =
-        view.lighting(vec_cast<double>(view.field.gradient[i]), normalized(towards));
-    return shaded(view.light[i], shading,
-                  explained_share(view.light[i], double{view.field.deviation[i]}, view.share));
+/// Gradient of the share of the field's range, per world unit.
+Vec3d share_gradient(const SlabView& view, std::size_t i) {
+    return (1 / (view.range.upper - view.range.lower)) * vec_cast<double>(view.field.gradient[i]);
 }
 
-/// Gradient of z, per world unit.
-Vec3d z_gradient(const SlabView& view, std::size_t i) {
-    const double spread = double{view.light[i].spread};
-    return spread > 0 ? (1 / spread) * vec_cast<double>(view.field.gradient[i]) : Vec3d{};
+/// A gradient along right, down and forward, per SlabView::length.
+void set_gradient(const SlabView& view, Vec3d g, float out[3]) {
+    const Vec3d axis[3] = {view.frame.right, -view.frame.up, view.frame.forward};
+    for (int n = 0; n < 3; ++n) out[n] = as_float(view.length * dot(g, axis[n]));
 }
 
 /// Standard deviation along the view, of all rays together.
@@ -65,14 +56,14 @@ SlabSplat slab_splat(const SlabView& view, const SplatOrigin& origin, const FarS
     out.forward = static_cast<float>(depth);
     out.near = static_cast<float>(depth - view.cutoff * deviation - view.depth);
     out.far = static_cast<float>(depth + view.cutoff * deviation - view.depth);
-    LightQuadratic light = lit(view, i);
-    // A point: the mean of z² over the kernel, its z is 0.
-    if (origin.widened)
-        for (auto& c : light.c) c[0] += static_cast<float>(view.share) * c[2];
-    for (std::size_t c = 0; c < 4; ++c)
-        for (std::size_t power = 0; power < 3; ++power)
-            out.light[c][power] = as_float(view.unit * double{light.c[c][power]});
-    const Vec3d g = origin.widened ? Vec3d{} : z_gradient(view, i);
+    const Vec3d own = share_gradient(view, i);
+    set_gradient(view, own, out.gradient);
+    const by_value::Residual within =
+        origin.widened ? point_residual(view.gaussians, view.field, view.range, i, view.share)
+                       : residual_of(view.field, view.range, i);
+    out.value = as_float(view.range.share(double{view.field.value[i]}));
+    out.variance = as_float(within.variance), out.third = as_float(within.third);
+    const Vec3d g = origin.widened ? Vec3d{} : own;
     double x = at.forward * dot(g, at.step_x), y = at.forward * dot(g, at.step_y);
     const double root_e02 = std::sqrt(double{splat.e02});
     if (view.frame.orthographic) {
@@ -114,7 +105,7 @@ void set_clip(const SlabView& view, SlabCell& cell) {
     }
 }
 
-void add_near_light(const SlabView& view, const NearSplat& s, SlabCell& cell) {
+void add_near_splat(const SlabView& view, const NearSplat& s, SlabCell& cell) {
     const std::size_t i = s.index;
     const int x0 = std::max(s.bounds.x0 - cell.column, 0), y0 = std::max(s.bounds.y0 - cell.row, 0);
     const int x1 = std::min(s.bounds.x1 - cell.column, kCellWidth - 1);
@@ -123,8 +114,11 @@ void add_near_light(const SlabView& view, const NearSplat& s, SlabCell& cell) {
     const DepthRange depths = depths_of(view, i);
     const int lowest = cell.slab_at(depths.near), highest = cell.slab_at(depths.far);
     cell.touch(lowest, highest);
-    const LightQuadratic light = lit(view, i);
-    const Vec3d gradient = z_gradient(view, i), mean = vec_cast<double>(view.gaussians.mean[i]);
+    const by_value::Residual within = residual_of(view.field, view.range, i);
+    const Vec3d gradient = share_gradient(view, i), mean = vec_cast<double>(view.gaussians.mean[i]);
+    float along[3];
+    set_gradient(view, gradient, along);
+    const double value = view.range.share(double{view.field.value[i]});
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
             const double column = cell.column + x, row = cell.row + y;
@@ -144,7 +138,7 @@ void add_near_light(const SlabView& view, const NearSplat& s, SlabCell& cell) {
             if (!(start < end)) continue;
             const Vec3d towards = view.frame.direction(column, row);
             const Vec3d from_mean = view.frame.origin(column, row) - mean;
-            const double z0 = dot(gradient, from_mean), z_step = dot(gradient, towards);
+            const double z0 = value + dot(gradient, from_mean), z_step = dot(gradient, towards);
             const double whole =
                 s.density * std::exp(-0.5 * m2) * std::sqrt(0.5 * std::numbers::pi) / root;
             const auto part_at = [&](double t) {
@@ -155,19 +149,23 @@ void add_near_light(const SlabView& view, const NearSplat& s, SlabCell& cell) {
             const int last = std::min(cell.slab_at(static_cast<float>(end - view.depth)), highest);
             double from = start;
             for (int slab = first; slab <= last; ++slab) {
-                const double back =
-                    view.depth + double{cell.first} + (slab + 1) * double{cell.thickness};
+                const double back = view.depth + double{cell.depths.first} +
+                                    (slab + 1) * double{cell.depths.thickness};
                 const double to = slab == last ? end : std::clamp(back, from, end);
                 const double tau = whole * (part_at(to) - part_at(from));
-                const auto z = static_cast<float>(z0 + 0.5 * (from + to) * z_step);
-                for (std::size_t n = 0; n < 4; ++n) {
-                    // As of far splats, colour is limited by what is absorbed in the end.
-                    const auto& q = light.c[n];
-                    const float expected = (q[2] * z + q[1]) * z + q[0];
-                    cell.sums[static_cast<std::size_t>(slab)]
-                        .channel[n][static_cast<std::size_t>(y * kCellWidth + x)] += as_float(
-                        tau * view.unit * double{n == 3 ? std::max(expected, 0.0f) : expected});
-                }
+                by_value::MomentSums part;
+                part.add(tau, z0 + 0.5 * (from + to) * z_step, within);
+                const double sums[kLitChannels] = {part.tau,
+                                                   part.first,
+                                                   part.second,
+                                                   part.third,
+                                                   tau * double{along[0]},
+                                                   tau * double{along[1]},
+                                                   tau * double{along[2]}};
+                SlabPlane* const planes = cell.slab(slab);
+                for (int n = 0; n < cell.channels; ++n)
+                    planes[n].pixel[static_cast<std::size_t>(y * kCellWidth + x)] +=
+                        as_float(sums[n]);
                 from = to;
             }
         }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "render/by_value/value_light.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_limits.h"
 #include "render/splat/volume/slab_exchange.h"
@@ -23,6 +24,14 @@ using namespace splat;
 
 namespace {
 
+/// Blinn and Phong's light along right, down and forward of a picture.
+device::BlinnPhong along_view(const VolumeLook& look, const CameraFrame& frame) {
+    device::BlinnPhong out = blinn_phong(look);
+    const Vec3d to{out.towards_light.x, out.towards_light.y, out.towards_light.z};
+    out.towards_light = {dot(to, frame.right), -dot(to, frame.up), dot(to, frame.forward)};
+    return out;
+}
+
 /// Model and buffers, kept from picture to picture.
 struct SlabModel {
     const Gaussians* gaussians;
@@ -30,8 +39,10 @@ struct SlabModel {
     SplatModel model;
     KernelPolynomial kernel;
     const SplatKernels* kernels;
+    int slabs;
     SlabPolynomials polynomials;
     VolumeLook look;
+    ValueRange range;
     const Collective* processes;  ///< that hold parts of the model; null: this one alone
     std::deque<SlabBatch> batches;
     tbb::enumerable_thread_specific<SlabBuffers> buffers;
@@ -40,20 +51,23 @@ struct SlabModel {
     SlabModel(const SlabModel&) = delete;
     SlabModel& operator=(const SlabModel&) = delete;
 
-    /// light  [gaussians], in place of which value_planes makes a maximum
-    void draw(const std::vector<LightQuadratic>& light, SlabQuantity sums, const Camera& camera,
-              int width, int height, VolumeImage& picture);
+    /// light  null: draws the maximum
+    void draw(const LightOfMoments* light, const Camera& camera, int width, int height,
+              VolumeImage& picture);
+    double length() const { return std::max(view_box(*gaussians).radius(), 1e-300); }
 };
 
 SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options)
     : gaussians(&of),
       field(&of_model),
       look(options.look),
+      range(value_range(of_model)),
       processes(options.collective && options.collective->count > 1 ? options.collective
                                                                     : nullptr) {
     if (options.slabs < 1 || options.slabs > kMostSlabs)
         throw Error(
             fmt::format("splat: {} depth slabs, expected 1 to {}", options.slabs, kMostSlabs));
+    slabs = options.slabs;
     vog::validate(of);
     vog::validate(options.look);
     const double cutoff = cutoff_of_kappa(options.kappa, of.cutoff);
@@ -62,16 +76,16 @@ SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const Sla
     polynomials = fit_slab_polynomials(double{model.cutoff});
     kernels =
         options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
-    buffers = tbb::enumerable_thread_specific<SlabBuffers>([slabs = options.slabs, scalar = field] {
-        SlabBuffers made;
-        made.cell.most_share = static_cast<float>(most_share_per_density(*scalar));
-        made.cell.sums.resize(static_cast<std::size_t>(slabs));
-        return made;
-    });
+    buffers =
+        tbb::enumerable_thread_specific<SlabBuffers>([count = options.slabs, lit = look.light] {
+            SlabBuffers made;
+            made.cell.resize(count, lit ? kLitChannels : kUnlitChannels);
+            return made;
+        });
 }
 
-void SlabModel::draw(const std::vector<LightQuadratic>& light, SlabQuantity sums,
-                     const Camera& camera, int width, int height, VolumeImage& picture) {
+void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
+                     VolumeImage& picture) {
     const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians->origin);
     if (width > kMaxSide || height > kMaxSide)
         throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
@@ -87,23 +101,22 @@ void SlabModel::draw(const std::vector<LightQuadratic>& light, SlabQuantity sums
         std::ranges::fill(picture.pixel, Rgba{0, 0, 0, 0});
         return;
     }
-    const Lighting lighting(look);
     const Clipping clip = relative_to(look.clip, gaussians->origin);
-    const SlabView view{*gaussians,
-                        *field,
-                        light,
-                        lighting,
-                        frame,
-                        clip,
-                        double{model.cutoff},
-                        model.unit,
-                        model.limits.variance,
-                        depth};
+    const SlabView view{
+        *gaussians, *field, range, frame, clip, double{model.cutoff}, model.limits.variance,
+        length(),   depth};
     const std::size_t most = TileBins::most_splats(width, height), own = gaussians->size();
     batches.resize(std::max<std::size_t>((own + most - 1) / most, 1));
-    const SlabPicture drawn{view, *kernels, polynomials, batches, sums};
+    SlabPicture drawn{view, *kernels, polynomials, batches};
+    DepthRange depths = kNoDepths;
     for (std::size_t n = 0; n < batches.size(); ++n)
-        drawn.project(model, batches[n], n * most, std::min((n + 1) * most, own));
+        depths.include(drawn.project(model, batches[n], n * most, std::min((n + 1) * most, own)));
+    if (processes) depths = joint_depths(depths, *processes);
+    if (!depths.empty()) drawn.depths = slab_depths(depths, slabs);
+    std::optional<SlabLight> finish;
+    if (light) drawn.light = &finish.emplace(SlabLight{frame, *light, along_view(look, frame)});
+    drawn.most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
+                                          double{drawn.depths.thickness});
     if (processes) return draw_parts(drawn, buffers, *processes, picture.pixel.data());
     struct Nothing {};
     draw_tiles<Nothing>(batches.front().splats.bins, [&](int t, Nothing) {
@@ -113,11 +126,11 @@ void SlabModel::draw(const std::vector<LightQuadratic>& light, SlabQuantity sums
 
 }  // namespace
 
-/// A model and its light.
+/// A model and a transfer function.
 struct SlabRenderer::State {
     SlabModel slabs;
-    std::optional<ValueTransfer> transfer{};  ///< of the light
-    std::vector<LightQuadratic> light{};
+    std::optional<ValueTransfer> transfer{};
+    LightOfMoments light{};
 };
 
 SlabRenderer::SlabRenderer(const Gaussians& gaussians, const std::string& field,
@@ -132,12 +145,13 @@ SlabRenderer& SlabRenderer::operator=(SlabRenderer&&) noexcept = default;
 void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
     State& s = *state_;
     if (s.transfer == transfer) return;
-    s.light = fit_light(*s.slabs.gaussians, *s.slabs.field, transfer);
+    s.light =
+        LightOfMoments(transfer, s.slabs.range, s.slabs.field->is_measure, s.slabs.model.unit);
     s.transfer = transfer;
 }
 
 void SlabRenderer::render(const Camera& camera, int width, int height, VolumeImage& picture) {
-    state_->slabs.draw(state_->light, SlabQuantity::light, camera, width, height, picture);
+    state_->slabs.draw(&state_->light, camera, width, height, picture);
 }
 VolumeImage SlabRenderer::render(const Camera& camera, int width, int height) {
     VolumeImage picture;
@@ -158,11 +172,10 @@ ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& fie
     unlit.look.light = false;
     SlabModel slabs(gaussians, volume_field(gaussians, field), unlit);
     VolumeImage shares;
-    slabs.draw(value_planes(gaussians, *slabs.field), SlabQuantity::maximum, camera, width, height,
-               shares);
+    slabs.draw(nullptr, camera, width, height, shares);
     ValueMap map{width, height, std::vector<float>(shares.pixel.size())};
     std::ranges::transform(shares.pixel, map.value.begin(), [&](const Rgba& pixel) {
-        return pixel.a > 0 ? value_of_share(*slabs.field, double{pixel.r})
+        return pixel.a > 0 ? static_cast<float>(slabs.range.value(double{pixel.r}))
                            : std::numeric_limits<float>::quiet_NaN();
     });
     return map;

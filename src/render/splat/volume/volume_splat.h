@@ -17,7 +17,7 @@ struct Collective;
 
 /// Options of a SlabRenderer.
 struct SlabOptions {
-    int slabs = kVolumeSlabs;   ///< depth slabs a tile, 1 to 1024
+    int slabs = kVolumeSlabs;   ///< depth slabs of a picture, 1 to 1024
     std::string simd_target{};  ///< one of splat_targets(); empty: the best
     double kappa = 0;           ///< as SplatOptions::kappa
     VolumeLook look{};
@@ -26,9 +26,9 @@ struct SlabOptions {
     const Collective* collective = nullptr;
 };
 
-/// Renderer of one model by value, from any number of cameras and under any transfer function, without sorting: per
-/// tile of the picture `slabs` slabs of equal depth over the tile's own range; in each, sums over Gaussians of the
-/// exact part of the integral of each times its expected extinction and colour; slabs are composited front to back.
+/// Renderer of one model by value, from any number of cameras and under any transfer function, without sorting:
+/// `slabs` slabs of equal depth over the picture's range; in each, sums over Gaussians of the exact part of the integral
+/// of each times moments of its values, which the transfer function then classifies; slabs are composited front to back.
 /// Buffers are kept. Not for two threads at once; each picture uses all threads.
 class SlabRenderer {
   public:
@@ -42,7 +42,7 @@ class SlabRenderer {
     SlabRenderer(SlabRenderer&&) noexcept;
     SlabRenderer& operator=(SlabRenderer&&) noexcept;
 
-    /// Transfer function of the next pictures. The same one again costs nothing, another about 1 us a Gaussian.
+    /// Transfer function of the next pictures. The same one again costs nothing, another a few milliseconds.
     void set_transfer(const ValueTransfer& transfer);
     /// picture  receives the result, the same bytes for any number of threads; its memory is reused
     /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side

@@ -1,0 +1,276 @@
+// light_of_moments.cpp: Linear pieces of light per unit of the measure, and the table of means.
+#include "render/by_value/light_of_moments.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "core/parallel.h"
+#include "render/by_value/value_pieces.h"
+
+namespace vog::by_value {
+
+namespace {
+
+using Sum = std::array<double, 4>;
+
+/// Share of the range below which a measure counts as this share: its light per unit would be infinite.
+constexpr double kLeastShare = 1e-3;
+
+Sum mix(const Sum& a, const Sum& b, double share) {
+    Sum sum;
+    for (std::size_t c = 0; c < 4; ++c) sum[c] = a[c] + share * (b[c] - a[c]);
+    return sum;
+}
+
+/// Light per unit of the measure by value.
+class UnitLight {
+  public:
+    UnitLight(const ValueTransfer& transfer, const ValueRange& range, bool per_value, double unit)
+        : pieces_(transfer), per_value_(per_value), unit_(unit) {
+        least_ = kLeastShare * std::max(std::abs(range.lower), std::abs(range.upper));
+    }
+    Sum operator()(double value) const {
+        constexpr double kMost = 1e30;  // of floats, with room for sums
+        const ValueLight light = pieces_(value);
+        double s = unit_ * light.extinction;
+        if (per_value_) s = value > 0 ? s / std::max(value, least_) : 0;
+        s = std::min(s, kMost);
+        return {s * light.r, s * light.g, s * light.b, s};
+    }
+
+  private:
+    ValuePieces pieces_;
+    bool per_value_;
+    double unit_, least_;
+};
+
+/// Divides a piece until light is linear in it to a 500th of its own.
+class Divider {
+  public:
+    Divider(const UnitLight& light, const ValueRange& range,
+            std::vector<device::LightPiece>& pieces)
+        : light_(light), range_(range), pieces_(pieces) {}
+    void divide(double from, const Sum& first, double to, const Sum& last, int depth) {
+        constexpr double kError = 2e-3;
+        constexpr int kDeepest = 9;
+        const double middle = 0.5 * (from + to);
+        const Sum at = light_(middle), line = mix(first, last, 0.5);
+        double most = 0, off = 0;
+        for (std::size_t c = 0; c < 4; ++c) {
+            most = std::max(most, at[c]);
+            off = std::max(off, std::abs(at[c] - line[c]));
+        }
+        if (off > kError * most && depth < kDeepest) {
+            divide(from, first, middle, at, depth + 1);
+            divide(middle, at, to, last, depth + 1);
+            return;
+        }
+        device::LightPiece piece;
+        piece.start = static_cast<float>(range_.share(from));
+        piece.end = static_cast<float>(range_.share(to));
+        if (!(piece.end > piece.start)) return;  // narrower than floats
+        for (std::size_t c = 0; c < 4; ++c) {
+            piece.first[c] = static_cast<float>(first[c]);
+            piece.last[c] = static_cast<float>(last[c]);
+        }
+        pieces_.push_back(piece);
+    }
+
+  private:
+    const UnitLight& light_;
+    const ValueRange& range_;
+    std::vector<device::LightPiece>& pieces_;
+};
+
+/// Whether light goes on from a piece to the next without a step.
+bool joined(const device::LightPiece& a, const device::LightPiece& b) {
+    for (int c = 0; c < 4; ++c)
+        if (std::abs(a.last[c] - b.first[c]) > 1e-5f * std::max(a.last[3], b.first[3]))
+            return false;
+    return true;
+}
+
+/// Joins pieces to which one line comes as near as to the function itself: points that a file states between others.
+void join_pieces(std::vector<device::LightPiece>& pieces) {
+    constexpr std::size_t kMost = 64;
+    constexpr float kError = 2e-3f;
+    std::size_t kept = 0;
+    for (std::size_t first = 0; first < pieces.size();) {
+        device::LightPiece whole = pieces[first];
+        std::size_t next = first + 1;
+        for (; next < pieces.size() && next - first < kMost; ++next) {
+            if (!joined(pieces[next - 1], pieces[next])) break;
+            device::LightPiece longer = whole;
+            longer.end = pieces[next].end;
+            std::copy_n(pieces[next].last, 4, longer.last);
+            bool follows = true;
+            for (std::size_t n = first; n < next && follows; ++n) {
+                const float at = (pieces[n].end - longer.start) / (longer.end - longer.start);
+                for (int c = 0; c < 4; ++c) {
+                    const float line = longer.first[c] + at * (longer.last[c] - longer.first[c]);
+                    follows =
+                        follows && std::abs(line - pieces[n].last[c]) <= kError * pieces[n].last[3];
+                }
+            }
+            if (!follows) break;
+            whole = longer;
+        }
+        pieces[kept++] = whole;
+        first = next;
+    }
+    pieces.resize(kept);
+}
+
+}  // namespace
+
+ValueRange value_range(const ScalarField& field) {
+    if (field.upper > field.lower) return {field.lower, field.upper};
+    const double margin = std::max(std::abs(field.lower), 1e-300) * 1e-3;
+    return {field.lower - margin, field.upper + margin};
+}
+
+float MomentTable::row(float variance) {
+    // The bits of a float above a power of two count octaves, linear between them.
+    constexpr float kFirst = kMostVariance / static_cast<float>(1u << (kOctaves - 1));
+    if (variance <= kFirst) return variance > 0 ? variance / kFirst : 0;
+    const std::uint32_t above = std::bit_cast<std::uint32_t>(std::min(variance, kMostVariance)) -
+                                std::bit_cast<std::uint32_t>(kFirst);
+    return 1 + static_cast<float>(above) * 0x1p-23f;
+}
+
+std::array<float, 4> MomentTable::at(float mean, float variance) const {
+    const float x = position(mean) * (kColumns - 1), y = row(variance);
+    const int column = std::min(static_cast<int>(x), kColumns - 2);
+    const int above = std::min(static_cast<int>(y), kRows - 2);
+    const float right = x - static_cast<float>(column), down = y - static_cast<float>(above);
+    const auto* upper = &light[static_cast<std::size_t>(above * kColumns + column)];
+    const auto* lower = upper + kColumns;
+    std::array<float, 4> out;
+    for (std::size_t c = 0; c < 4; ++c) {
+        const float a = upper[0][c] + right * (upper[1][c] - upper[0][c]);
+        const float b = lower[0][c] + right * (lower[1][c] - lower[0][c]);
+        out[c] = a + down * (b - a);
+    }
+    return out;
+}
+
+LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& range,
+                               bool per_value, double unit) {
+    add_pieces(transfer, range, per_value, unit);
+    const double first = std::min(transfer.color.front().value, transfer.opacity.front().value);
+    const double last = std::max(transfer.color.back().value, transfer.opacity.back().value);
+    double low = std::clamp(range.share(first), 0.0, 1.0);
+    double high = std::clamp(range.share(last), 0.0, 1.0);
+    if (!(high - low > 1e-5)) low = 0, high = 1;
+    const double margin = 0.05 * (high - low);
+    low = std::max(low - margin, 0.0), high = std::min(high + margin, 1.0);
+    table_.low = static_cast<float>(low), table_.high = static_cast<float>(high);
+    table_.per_part = static_cast<float>(0.5 / (high - low));
+    fill_table();
+    resolved_ = follows();
+}
+
+void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange& range,
+                                bool per_value, double unit) {
+    const UnitLight light(transfer, range, per_value, unit);
+    std::vector<double> ends{range.lower, range.upper};
+    const auto add = [&](double value) {
+        if (value > range.lower && value < range.upper) ends.push_back(value);
+    };
+    for (const ValueColor& point : transfer.color) add(point.value);
+    for (const ValueOpacity& point : transfer.opacity) add(point.value);
+    if (per_value) add(0), add(kLeastShare * std::max(std::abs(range.lower), range.upper));
+    std::ranges::sort(ends);
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    Divider divider(light, range, pieces_);
+    for (std::size_t n = 0; n + 1 < ends.size(); ++n) {
+        const double from = ends[n], to = ends[n + 1];
+        // Just inside: at a step of the transfer function the ends have other values.
+        const double inside = 1e-9 * (to - from);
+        divider.divide(from, light(from + inside), to, light(to - inside), 0);
+    }
+    join_pieces(pieces_);
+    // Pieces that floats cannot hold leave gaps.
+    for (std::size_t n = 0; n + 1 < pieces_.size(); ++n) pieces_[n].end = pieces_[n + 1].start;
+    pieces_.front().start = 0, pieces_.back().end = 1;
+}
+
+float LightOfMoments::value_at(double position) const {
+    const MomentTable& t = table_;
+    const double at_low{t.position(t.low)}, at_high{t.position(t.high)};
+    if (position <= at_low) return static_cast<float>(2 * position);
+    if (position >= at_high) return static_cast<float>(1 - 2 * (1 - position));
+    return static_cast<float>(double{t.low} + (double{t.high} - double{t.low}) *
+                                                  (position - at_low) / (at_high - at_low));
+}
+
+void LightOfMoments::fill_table() {
+    constexpr int kColumns = MomentTable::kColumns, kOctaves = MomentTable::kOctaves;
+    table_.light.resize(std::size_t{MomentTable::kRows} * kColumns);
+    std::vector<float> value(kColumns);
+    for (int n = 0; n < kColumns; ++n)
+        value[static_cast<std::size_t>(n)] = value_at(double(n) / (kColumns - 1));
+    vog::parallel_for(0, MomentTable::kRows, [&](int row) {
+        const double deviation =
+            row == 0 ? 0
+                     : std::sqrt(double{MomentTable::kMostVariance} * std::exp2(row - kOctaves));
+        // A quarter of the deviation apart, and linear between; columns are at most 2 / kColumns apart.
+        int step = 1;
+        while (2 * step * 2.0 / kColumns < 0.25 * deviation) step *= 2;
+        auto* out = &table_.light[static_cast<std::size_t>(row) * kColumns];
+        const auto set = [&](int n) {
+            out[n] = exact(value[static_cast<std::size_t>(n)], static_cast<float>(deviation));
+        };
+        set(0);
+        for (int from = 0; from < kColumns - 1; from += step) {
+            const int to = std::min(from + step, kColumns - 1);
+            set(to);
+            const float a = value[static_cast<std::size_t>(from)];
+            const float per = 1 / (value[static_cast<std::size_t>(to)] - a);
+            for (int n = from + 1; n < to; ++n) {
+                const float share = (value[static_cast<std::size_t>(n)] - a) * per;
+                for (std::size_t c = 0; c < 4; ++c)
+                    out[n][c] = out[from][c] + share * (out[to][c] - out[from][c]);
+            }
+        }
+    });
+}
+
+bool LightOfMoments::follows() const {
+    // Between two columns light goes up or down, not both by more than this share of the most there is.
+    constexpr double kShare = 0.02;
+    double most = 0;
+    for (const device::LightPiece& p : pieces_)
+        most = std::max({most, double{p.first[3]}, double{p.last[3]}});
+    std::size_t n = 0;
+    for (int column = 0; column + 1 < MomentTable::kColumns; ++column) {
+        const float to = value_at(double(column + 1) / (MomentTable::kColumns - 1));
+        const float from = value_at(double(column) / (MomentTable::kColumns - 1));
+        while (n + 1 < pieces_.size() && pieces_[n].end <= from) ++n;
+        Sum before{}, first{}, last{};
+        std::array<double, 4> path{};
+        bool begun = false;
+        const auto visit = [&](const Sum& light) {
+            for (std::size_t c = 0; c < 4 && begun; ++c) path[c] += std::abs(light[c] - before[c]);
+            if (!begun) first = light;
+            begun = true, before = last = light;
+        };
+        for (std::size_t m = n; m < pieces_.size() && pieces_[m].start < to; ++m) {
+            const device::LightPiece& p = pieces_[m];
+            const Sum a{p.first[0], p.first[1], p.first[2], p.first[3]};
+            const Sum b{p.last[0], p.last[1], p.last[2], p.last[3]};
+            const double width = double{p.end} - double{p.start};
+            const auto at = [&](float value) {
+                return std::clamp((double{value} - double{p.start}) / width, 0.0, 1.0);
+            };
+            visit(mix(a, b, at(from))), visit(mix(a, b, at(to)));
+        }
+        for (std::size_t c = 0; c < 4; ++c)
+            if (path[c] - std::abs(last[c] - first[c]) > kShare * most) return false;
+    }
+    return true;
+}
+
+}  // namespace vog::by_value

@@ -1,0 +1,364 @@
+// slab_finish-inl.h: Sums of depth slabs to light, one SIMD vector of pixels at a time: classification after blending.
+// Included once per SIMD target by slab_kernels.cpp, after splat_rows-inl.h.
+
+/// Offsets of the pixels of a cell. Columns repeat, for vectors of any length up to 16.
+alignas(64) constexpr auto kCellX = [] {
+    std::array<float, kCellWidth + TilePixels::kMaxLanes> x{};
+    for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kCellWidth);
+    return x;
+}();
+alignas(64) constexpr auto kCellY = [] {
+    CellPixels y{};
+    for (std::size_t n = 0; n < y.size(); ++n) y[n] = static_cast<float>(n / kCellWidth);
+    return y;
+}();
+
+/// Rays of the pixels of a cell.
+struct CellRays {
+    /// |D|, and slopes of D right and down; forward 1.
+    alignas(64) CellPixels length, right, down;
+};
+
+/// |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
+template <class D>
+void begin_rays(D d, const CameraFrame& frame, SlabCell& cell, CellRays& rays) {
+    const double pixel = frame.orthographic ? 0 : 1 / frame.pixels_per_unit;
+    const auto slope_at = [&](double at, int size) {
+        return hn::Set(d, static_cast<float>((at - 0.5 * (size - 1)) * pixel));
+    };
+    const auto left = slope_at(cell.column, frame.width), top = slope_at(cell.row, frame.height);
+    const auto step = hn::Set(d, static_cast<float>(pixel));
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        const auto x = hn::MulAdd(hn::LoadU(d, kCellX.data() + n % kCellWidth), step, left);
+        const auto y = hn::MulAdd(hn::Load(d, kCellY.data() + n), step, top);
+        hn::Store(x, d, rays.right.data() + n);
+        hn::Store(y, d, rays.down.data() + n);
+        hn::Store(hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Set(d, 1.0f)))), d,
+                  rays.length.data() + n);
+    }
+    for (std::size_t channel = 0; channel < 4; ++channel)
+        cell.seen[channel].fill(channel == 3 ? 1.0f : 0.0f);
+}
+
+/// Central moments of a vector of pixels; the gradient is a sum.
+template <class V>
+struct MomentLanes {
+    V tau, mean, variance, third, gradient[3];
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE MomentLanes<V> moments_at(D d, const SlabPlane* slab, bool lit, std::size_t n) {
+    const auto sum = [&](int channel) { return hn::Load(d, slab[channel].pixel.data() + n); };
+    MomentLanes<V> m;
+    const V zero = hn::Zero(d), two = hn::Set(d, 2.0f), three = hn::Set(d, 3.0f);
+    m.tau = sum(kTau);
+    const V per = hn::Div(hn::Set(d, 1.0f), hn::Max(m.tau, hn::Set(d, 1e-30f)));
+    m.mean = hn::Mul(sum(kFirst), per);
+    const V square = hn::Mul(sum(kSecond), per), mean2 = hn::Mul(m.mean, m.mean);
+    // Rounding of sums of equal values must not spread them.
+    const V noise = hn::Set(d, 1 - 4e-7f);
+    m.variance = hn::Max(hn::MulSub(square, noise, mean2), zero);
+    m.third = hn::NegMulAdd(m.mean, hn::MulSub(three, square, hn::Mul(two, mean2)),
+                            hn::Mul(sum(kThird), per));
+    for (int c = 0; c < 3; ++c) m.gradient[c] = lit ? sum(kGradient + c) : zero;
+    return m;
+}
+
+/// Light per unit of tau: red, green and blue times extinction, and extinction.
+template <class V>
+struct LightLanes {
+    V c[4];
+};
+
+/// Two normal distributions in every lane.
+template <class V>
+struct PairLanes {
+    V high, low, variance, of_high;  ///< means, the variance of both, the weight of `high`
+};
+/// by_value::normal_pair.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE PairLanes<V> normal_pair(D d, const MomentLanes<V>& m) {
+    using by_value::NormalPair;
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const V zero = hn::Zero(d), one = set(1);
+    const auto spread = hn::Gt(m.variance, set(NormalPair::kLeastVariance));
+    const V deviation = hn::Sqrt(m.variance);
+    const V cube = hn::Max(hn::Mul(m.variance, deviation), set(1e-12f));
+    const V skew = hn::Min(hn::Max(hn::Div(m.third, cube), set(-NormalPair::kMostSkewness)),
+                           set(NormalPair::kMostSkewness));
+    const V u = hn::Mul(skew, set(NormalPair::kPerCube));
+    const V root = hn::Sqrt(hn::MulAdd(u, u, set(4)));
+    const V half = hn::IfThenElseZero(spread, hn::Mul(deviation, set(0.5f * NormalPair::kShare)));
+    const auto share = [&](V offset) {
+        return hn::Min(hn::Max(hn::MulAdd(half, offset, m.mean), zero), one);
+    };
+    return {share(hn::Add(u, root)), share(hn::Sub(u, root)),
+            hn::IfThenElse(spread, hn::Mul(m.variance, set(NormalPair::kNarrow)), m.variance),
+            hn::MulAdd(hn::Div(u, root), set(-0.5f), set(0.5f))};
+}
+
+/// Place in a row of MomentTable, and how much of the next column counts.
+template <class D>
+HWY_INLINE void set_columns(D d, const by_value::MomentTable& table, hn::Vec<D> mean,
+                            std::int32_t* column, float* right) {
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const hn::RebindToSigned<D> di;
+    using V = hn::Vec<D>;
+    const V part = hn::Sub(hn::Min(hn::Max(mean, set(table.low)), set(table.high)), set(table.low));
+    const V x = hn::Mul(hn::MulAdd(mean, set(table.per_range), hn::Mul(part, set(table.per_part))),
+                        set(by_value::MomentTable::kColumns - 1));
+    const auto at = hn::Min(hn::ConvertTo(di, x), hn::Set(di, by_value::MomentTable::kColumns - 2));
+    hn::Store(at, di, column);
+    hn::Store(hn::Sub(x, hn::ConvertTo(d, at)), d, right);
+}
+
+/// Light of pairs, per unit of tau; of lanes that do not count, 0. Pixel by pixel: a pixel's four channels lie side by
+/// side in the table, and gathers of them took four times as long.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE LightLanes<V> mean_light(D d, const by_value::LightOfMoments& light,
+                                    const MomentLanes<V>& m, hn::Mask<D> counts) {
+    using Table = by_value::MomentTable;
+    constexpr std::size_t kMost = TilePixels::kMaxLanes;
+    const hn::RebindToSigned<D> di;
+    const hn::CappedTag<float, 4> d4;
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const PairLanes<V> pair = normal_pair(d, m);
+    alignas(64) float out[4 * kMost] = {}, share[kMost], down[kMost], right[2][kMost];
+    alignas(64) std::int32_t column[2][kMost], row[kMost];
+    hn::Store(pair.of_high, d, share);
+    alignas(8) std::uint8_t of_mask[8] = {};
+    hn::StoreMaskBits(d, counts, of_mask);
+    unsigned bits = of_mask[0] | of_mask[1] << 8u;
+    if (!light.resolved()) {
+        hn::Store(pair.high, d, right[0]);
+        hn::Store(pair.low, d, right[1]);
+        hn::Store(hn::Sqrt(pair.variance), d, down);
+        for (; bits != 0; bits &= bits - 1) {
+            const auto n = static_cast<std::size_t>(std::countr_zero(bits));
+            const auto high = light.exact(right[0][n], down[n]);
+            const auto low = light.exact(right[1][n], down[n]);
+            for (std::size_t c = 0; c < 4; ++c)
+                out[4 * n + c] = low[c] + share[n] * (high[c] - low[c]);
+        }
+    } else {
+        const Table& table = light.table();
+        set_columns(d, table, pair.high, column[0], right[0]);
+        set_columns(d, table, pair.low, column[1], right[1]);
+        // MomentTable::row
+        constexpr float kFirst =
+            Table::kMostVariance / static_cast<float>(1u << (Table::kOctaves - 1));
+        const V first = set(kFirst), most = set(Table::kMostVariance);
+        const V octaves = hn::Mul(
+            hn::ConvertTo(
+                d, hn::Sub(hn::BitCast(di, hn::Min(pair.variance, most)), hn::BitCast(di, first))),
+            set(0x1p-23f));
+        const V y =
+            hn::IfThenElse(hn::Le(pair.variance, first), hn::Mul(pair.variance, set(1 / kFirst)),
+                           hn::Add(octaves, set(1)));
+        const auto above = hn::Min(hn::ConvertTo(di, y), hn::Set(di, Table::kRows - 2));
+        hn::Store(hn::ShiftLeft<10>(above), di, row);
+        static_assert(Table::kColumns == 1 << 10);
+        hn::Store(hn::Sub(y, hn::ConvertTo(d, above)), d, down);
+        for (; bits != 0; bits &= bits - 1) {
+            const auto n = static_cast<std::size_t>(std::countr_zero(bits));
+            const float* upper[2] = {
+                table.light[static_cast<std::size_t>(row[n] + column[0][n])].data(),
+                table.light[static_cast<std::size_t>(row[n] + column[1][n])].data()};
+            for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
+                const auto at = [&](const float* p, float to_right) {
+                    const auto across = hn::Set(d4, to_right);
+                    const auto a0 = hn::LoadU(d4, p + c), a1 = hn::LoadU(d4, p + 4 + c);
+                    const auto b0 = hn::LoadU(d4, p + 4 * Table::kColumns + c);
+                    const auto b1 = hn::LoadU(d4, p + 4 * Table::kColumns + 4 + c);
+                    const auto a = hn::MulAdd(across, hn::Sub(a1, a0), a0);
+                    const auto b = hn::MulAdd(across, hn::Sub(b1, b0), b0);
+                    return hn::MulAdd(hn::Set(d4, down[n]), hn::Sub(b, a), a);
+                };
+                const auto high = at(upper[0], right[0][n]), low = at(upper[1], right[1][n]);
+                hn::StoreU(hn::MulAdd(hn::Set(d4, share[n]), hn::Sub(high, low), low), d4,
+                           out + 4 * n + c);
+            }
+        }
+    }
+    LightLanes<V> all;
+    hn::LoadInterleaved4(d, out, all.c[0], all.c[1], all.c[2], all.c[3]);
+    return all;
+}
+
+/// BlinnPhong::shading, with the colours at most what is absorbed.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, const CellRays& rays,
+                      std::size_t n, LightLanes<V>& light) {
+    const auto set = [&](double v) { return hn::Set(d, static_cast<float>(v)); };
+    const auto dot3 = [&](const V* a, const V* b) {
+        return hn::MulAdd(a[0], b[0], hn::MulAdd(a[1], b[1], hn::Mul(a[2], b[2])));
+    };
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
+    const V per = hn::Div(hn::Set(d, -1.0f), hn::Load(d, rays.length.data() + n));
+    const V eye[3] = {hn::Mul(per, hn::Load(d, rays.right.data() + n)),
+                      hn::Mul(per, hn::Load(d, rays.down.data() + n)), per};
+    const V steep2 = dot3(gradient, gradient);
+    const auto any = hn::Gt(steep2, least);
+    const V per_steep = hn::Div(one, hn::Sqrt(hn::Max(steep2, least)));
+    const bool head = !(dot(look.towards_light, look.towards_light) > 0);
+    V to[3] = {set(look.towards_light.x), set(look.towards_light.y), set(look.towards_light.z)};
+    if (head)
+        for (int c = 0; c < 3; ++c) to[c] = eye[c];
+    const V turn = hn::CopySign(per_steep, dot3(gradient, eye));
+    const V facing = hn::Max(hn::Mul(turn, dot3(gradient, to)), zero);
+    V between[3];
+    for (int c = 0; c < 3; ++c) between[c] = hn::Add(to[c], eye[c]);
+    const V mirrored = hn::Min(
+        hn::Mul(turn,
+                hn::Div(dot3(gradient, between), hn::Sqrt(hn::Max(dot3(between, between), least)))),
+        one);
+    const V body = hn::MulAdd(set(look.diffuse), facing, set(look.ambient));
+    const V power = hn::Exp(d, hn::Mul(set(look.power), hn::Log(d, hn::Max(mirrored, set(1e-6)))));
+    const V shine = hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)),
+                                       hn::Mul(set(look.specular), power));
+    for (int c = 0; c < 3; ++c) {
+        const V shaded = hn::MulAdd(body, light.c[c], hn::Mul(shine, light.c[3]));
+        light.c[c] = hn::IfThenElse(any, hn::Min(shaded, light.c[3]), light.c[c]);
+    }
+}
+
+/// A vector of pixels behind those before.
+template <class V>
+struct SeenLanes {
+    V c[3], passed;
+};
+/// Composites moments, of lanes that count.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V composite_part(D d, const SlabLight& of, const MomentLanes<V>& m, const CellRays& rays,
+                            std::size_t n, hn::Mask<D> counts, SeenLanes<V>& seen) {
+    const V one = hn::Set(d, 1.0f);
+    LightLanes<V> light = mean_light(d, of.light, m, counts);
+    if (of.look.on) shade(d, of.look, m.gradient, rays, n, light);
+    const V along = hn::Mul(m.tau, hn::Load(d, rays.length.data() + n));
+    const V depth = hn::Mul(light.c[3], along);
+    // (1 - e^{-depth}) / depth, and e^{-depth}; the series where the difference cancels
+    V part = hn::MulAdd(hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
+                                   depth, hn::Set(d, -0.5f)),
+                        depth, one);
+    V passed = hn::NegMulAdd(depth, part, one);
+    const auto thin = hn::Lt(depth, hn::Set(d, 0.06f));
+    if (!hn::AllTrue(d, thin)) {
+        passed = hn::IfThenElse(thin, passed, hn::Exp(d, hn::Neg(depth)));
+        part = hn::IfThenElse(thin, part,
+                              hn::Div(hn::Sub(one, passed), hn::Max(depth, hn::Set(d, 1e-3f))));
+    }
+    const V weight = hn::Mul(hn::Mul(seen.passed, part), along);
+    for (int c = 0; c < 3; ++c) seen.c[c] = hn::MulAdd(weight, light.c[c], seen.c[c]);
+    seen.passed = hn::Mul(seen.passed, passed);
+    return depth;
+}
+
+/// Steps of a slab that absorbs much, in which the moments go over to those of its neighbours: surfaces are found
+/// between means of slabs.
+constexpr int kSurfaceSteps = 6;
+/// Optical depth of a slab from which on it is divided into steps.
+constexpr float kSurfaceDepth = 0.2f;
+
+/// A slab beside one that is divided.
+template <class V>
+struct NeighbourLanes {
+    MomentLanes<V> m;
+    V trend;  ///< variance in a slab of means that change linearly from slab to slab
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE NeighbourLanes<V> neighbour(D d, const SlabCell& cell, int slab, std::size_t n,
+                                       const MomentLanes<V>& own) {
+    NeighbourLanes<V> out;
+    const V zero = hn::Zero(d);
+    if (slab >= 0 && slab < cell.slabs) {
+        out.m = moments_at(d, cell.slab(slab), cell.channels == kLitChannels, n);
+    } else {
+        out.m = own;
+        out.m.tau = zero;
+    }
+    const V change = hn::IfThenElseZero(hn::Gt(out.m.tau, zero), hn::Sub(out.m.mean, own.mean));
+    out.trend = hn::Mul(hn::Mul(change, change), hn::Set(d, 1 / 12.0f));
+    return out;
+}
+
+/// Moments of the steps of a slab: between the means of slabs weights, means and spreads are linear, and steps
+/// together have the slab's weight and mean.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void divide_slab(D d, const MomentLanes<V>& own, const NeighbourLanes<V> (&beside)[2],
+                            MomentLanes<V> (&steps)[kSurfaceSteps]) {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
+    V whole = zero, first = zero;
+    for (int k = 0; k < kSurfaceSteps; ++k) {
+        const float at = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
+        const NeighbourLanes<V>& other = beside[at < 0 ? 0 : 1];
+        const V share = hn::Set(d, std::abs(at)), rest = hn::Set(d, 1 - std::abs(at));
+        const V b = hn::Mul(other.m.tau, share), tau = hn::MulAdd(own.tau, rest, b);
+        const V of = hn::Div(b, hn::Max(tau, least)), left = hn::Sub(one, of);
+        MomentLanes<V>& m = steps[k];
+        m.tau = tau;
+        m.mean = hn::MulAdd(of, other.m.mean, hn::Mul(left, own.mean));
+        const V variance = hn::MulAdd(of, other.m.variance, hn::Mul(left, own.variance));
+        m.variance = hn::Max(hn::Sub(variance, other.trend), zero);
+        m.third = hn::MulAdd(of, other.m.third, hn::Mul(left, own.third));
+        for (int c = 0; c < 3; ++c)
+            m.gradient[c] = hn::MulAdd(share, other.m.gradient[c], hn::Mul(rest, own.gradient[c]));
+        whole = hn::Add(whole, tau), first = hn::MulAdd(tau, m.mean, first);
+    }
+    const V per = hn::Div(one, hn::Max(whole, least));
+    const V scale = hn::Mul(own.tau, per), shift = hn::NegMulAdd(first, per, own.mean);
+    for (MomentLanes<V>& m : steps) {
+        m.tau = hn::Mul(m.tau, scale);
+        m.mean = hn::Add(m.mean, shift);
+    }
+}
+
+/// Composites a slab behind those before.
+/// returns  whether all pixels are dark
+template <class D>
+HWY_INLINE bool composite_slab(D d, const SlabLight& light, int slab, const CellRays& rays,
+                               SlabCell& cell) {
+    using V = hn::Vec<D>;
+    const V zero = hn::Zero(d), dark = hn::Set(d, kDarkTransmittance);
+    const bool lit = cell.channels == kLitChannels;
+    bool hidden = true;
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        SeenLanes<V> before;
+        before.passed = hn::Load(d, cell.seen[3].data() + n);
+        const auto visible = hn::Ge(before.passed, dark);
+        const auto counts =
+            hn::And(visible, hn::Gt(hn::Load(d, cell.slab(slab)->pixel.data() + n), zero));
+        hidden = hidden && hn::AllFalse(d, visible);
+        if (hn::AllFalse(d, counts)) continue;
+        for (std::size_t c = 0; c < 3; ++c) before.c[c] = hn::Load(d, cell.seen[c].data() + n);
+        const MomentLanes<V> own = moments_at(d, cell.slab(slab), lit, n);
+        SeenLanes<V> seen = before;
+        const V depth = composite_part(d, light, own, rays, n, counts, seen);
+        const auto surface = hn::And(counts, hn::Ge(depth, hn::Set(d, kSurfaceDepth)));
+        if (!hn::AllFalse(d, surface)) {
+            const NeighbourLanes<V> beside[2] = {neighbour(d, cell, slab - 1, n, own),
+                                                 neighbour(d, cell, slab + 1, n, own)};
+            MomentLanes<V> steps[kSurfaceSteps];
+            divide_slab(d, own, beside, steps);
+            SeenLanes<V> divided = before;
+            for (const MomentLanes<V>& step : steps) {
+                const auto open = hn::And(surface, hn::Ge(divided.passed, dark));
+                if (hn::AllFalse(d, open)) break;
+                composite_part(d, light, step, rays, n, open, divided);
+            }
+            for (int c = 0; c < 3; ++c)
+                seen.c[c] = hn::IfThenElse(surface, divided.c[c], seen.c[c]);
+            seen.passed = hn::IfThenElse(surface, divided.passed, seen.passed);
+        }
+        for (std::size_t c = 0; c < 3; ++c) hn::Store(seen.c[c], d, cell.seen[c].data() + n);
+        hn::Store(seen.passed, d, cell.seen[3].data() + n);
+    }
+    return hidden;
+}
+
+template <class Tags>
+void composite_cell(const SlabLight& light, SlabCell& cell) {
+    const typename Tags::Floats d;
+    CellRays rays;
+    begin_rays(d, light.frame, cell, rays);
+    for (int slab = cell.lowest; slab <= cell.highest; ++slab)
+        if (composite_slab(d, light, slab, rays, cell)) return;
+}
