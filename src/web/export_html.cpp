@@ -52,10 +52,10 @@ constexpr const char* kRangeModules[] = {"file_tree.js", "range_file.js"};
 constexpr const char* kLastModule[] = {"main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"worker.js"};
-constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",
-                                    "slab.frag",   "ranges.frag",  "light.vert", "light.frag",
-                                    "layers.frag", "largest.frag", "copy.frag",  "screen.vert",
-                                    "shade.frag"};
+constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "erf.glsl",     "chord.glsl",
+                                    "field.frag",  "slab.frag",   "ranges.frag",  "expected.glsl",
+                                    "table.frag",  "finish.frag", "largest.frag", "copy.frag",
+                                    "screen.vert", "shade.frag"};
 
 /// Name declared by a line such as "const x = 1;" or "async function x() {".
 std::string declared_name(std::string_view line) {

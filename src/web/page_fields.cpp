@@ -67,7 +67,7 @@ Json named(const Field& field, bool is_vector) {
 PageUnit page_unit(const ScalarField& field) {
     const double half = 0.5 * (field.upper - field.lower);
     if (half > 0) return {field.lower + half, half};
-    // Data of one value: as ExpectedLight has it.
+    // Data of one value: as by_value::value_range().
     return {field.lower, std::max(std::abs(field.lower), 1e-300) * 1e-3};
 }
 PageUnit page_unit(const VectorField& field) { return {0, field.upper > 0 ? field.upper : 1}; }

@@ -96,7 +96,6 @@ std::vector<std::pair<EmulatedGpu, GpuPictures>> all_pictures(const Gaussians& m
 }
 
 TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
-    GTEST_SKIP() << "the kernels still classify each Gaussian before it blends";
     const Gaussians model = mixed_model(40);
     const ScalarField& field = model.fields.scalar.front();
     const ValueTransfer transfer = colors_of(field);
@@ -124,7 +123,6 @@ TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
 }
 
 TEST_F(gpu_pictures, of_maxima_are_those_of_the_splat) {
-    GTEST_SKIP() << "the kernels still classify each Gaussian before it blends";
     const Gaussians model = mixed_model(40);
     const ScalarField& field = model.fields.scalar.front();
     const double range = field.upper - field.lower;
@@ -233,7 +231,6 @@ TEST_F(gpu_pictures, of_boxes_are_those_of_the_ray_tracer) {
 }
 
 TEST_F(gpu_pictures, of_boxes_by_value_are_those_of_the_ray_tracer_to_the_error_of_slabs) {
-    GTEST_SKIP() << "the kernels still classify each Gaussian before it blends";
     const Gaussians model = mixed_model(40);
     const ScalarField& field = model.fields.scalar.front();
     const ValueTransfer transfer = colors_of(field);

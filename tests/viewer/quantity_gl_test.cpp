@@ -166,7 +166,6 @@ TEST_F(quantity_gl, maps_are_the_cpus) {
 }
 
 TEST_F(quantity_gl, maxima_are_the_cpus) {
-    GTEST_SKIP() << "slabs of the shaders are still those of a tile";
     const Gaussians model = cloud_with_fields();
     Gaussians other = model;  // a field beside the density: without the limit of a density's means
     other.fields.scalar.push_back(other.fields.scalar.front());
@@ -280,7 +279,6 @@ TEST_F(quantity_gl, clipped_depth_is_the_cpus) {
 }
 
 TEST_F(quantity_gl, volumes_by_value_are_the_cpus) {
-    GTEST_SKIP() << "the shaders still classify each Gaussian before it blends";
     const Gaussians model = cloud_with_fields();
     const ScalarField& field = model.fields.scalar.front();
     const double middle = std::midpoint(field.lower, field.upper);

@@ -77,7 +77,6 @@ GlField::GlField(const GlModel& model, const Gaussians& gaussians, const FieldCh
     : of_vector_(choice.part == FieldPart::view || choice.part == FieldPart::magnitude),
       magnitude_(choice.part == FieldPart::magnitude),
       array_(make_vertex_array()),
-      points_(make_vertex_array()),
       buffer_(make_buffer()) {
     static std::uint64_t uploaded = 0;  // OpenGL is of one thread
     id_ = ++uploaded;
@@ -96,9 +95,6 @@ GlField::GlField(const GlModel& model, const Gaussians& gaussians, const FieldCh
     } else {
         set_attribute(3, 4, kScalarFloats, 0);
         set_attribute(4, 2, kScalarFloats, 4);
-        glBindVertexArray(points_);
-        set_attribute(3, 4, kScalarFloats, 0, 0);
-        set_attribute(4, 2, kScalarFloats, 4, 0);
     }
     glBindVertexArray(0);
 }
@@ -109,7 +105,8 @@ void GlFieldSums::add(const GlModel& model, const GlField* field, const Camera& 
     const bool of_vector = field && field->of_vector();
     std::optional<GlProgram>& program = of_vector ? vector_ : scalar_;
     if (!program)
-        program.emplace("splat.vert", std::vector<std::string>{"chord.glsl", "field.frag"},
+        program.emplace("splat.vert",
+                        std::vector<std::string>{"erf.glsl", "chord.glsl", "field.frag"},
                         of_vector ? "VECTOR" : "SCALAR");
     target.bind();
     set_view(*program, model, frame_of(camera, target.width(), target.height()), jitter, clip);

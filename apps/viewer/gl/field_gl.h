@@ -18,15 +18,13 @@ class GlField {
     bool of_vector() const { return of_vector_; }
     bool magnitude() const { return magnitude_; }
     GLuint vertex_array() const { return array_; }
-    /// The numbers of a scalar field alone, one point a Gaussian: light.vert.
-    GLuint points() const { return points_; }
     /// Different for every field that was ever uploaded.
     std::uint64_t id() const { return id_; }
 
   private:
     std::uint64_t id_ = 0;
     bool of_vector_ = false, magnitude_ = false;
-    GlVertexArray array_, points_;
+    GlVertexArray array_;
     GlBuffer buffer_;
 };
 

@@ -1,10 +1,11 @@
-// slabs_gl.h: volume rendering by value in OpenGL: light added up in depth slabs, four a pass, and composited front to
-// back (docs/volume_rendering.md); largest values of a field, eight slabs a pass. Nothing is sorted.
+// slabs_gl.h: volume rendering by value in OpenGL: moments of a field added up in depth slabs, four a pass (with light two),
+// classified and composited front to back (docs/volume_rendering.md); largest values of a field, eight slabs a pass. Nothing is sorted.
 #pragma once
 
 #include <optional>
 
 #include "gl/field_gl.h"
+#include "render/device/expected_light.h"
 #include "vog/picture.h"
 
 namespace vog::viewer {
@@ -20,7 +21,7 @@ struct GlVolume {
     const ValueTransfer* transfer() const {
         return picture.request.show == Show::volume ? &picture.chosen.transfer : nullptr;
     }
-    /// Depth slabs; of light they are drawn in fours.
+    /// Depth slabs.
     int slabs() const {
         return picture.request.slabs.value_or(transfer() ? kVolumeSlabs : kMaximumSlabs);
     }
@@ -35,24 +36,27 @@ class GlSlabs {
     void add(const GlVolume& volume, const Camera& camera, Jitter jitter, const GlTarget& target);
 
   private:
-    void require_targets(int width, int height, std::size_t gaussians, bool means);
-    void fit(const GlVolume& volume);
-    void fit_light(const GlVolume& volume);
+    void require_targets(const GlVolume& volume, int width, int height);
+    void set_light(const GlVolume& volume);
     /// Adds Gaussians to some slabs of a strip: layers_.
-    void draw_layers(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first,
-                     int slab);
+    void draw_layers(const GlVolume& volume, const GlProgram& program, int in_pass,
+                     const CameraFrame& frame, Jitter jitter, int first, int slab);
     void draw_largest(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first);
-    void draw_ranges(const GlVolume& volume, const CameraFrame& frame, Jitter jitter);
+    void draw_range(const GlVolume& volume, const CameraFrame& frame, Jitter jitter);
     void draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first);
+    void set_finish(const GlProgram& program, const GlVolume& volume, const CameraFrame& frame,
+                    Jitter jitter, int first) const;
     void draw_screen() const;
 
-    GlProgram light_program_, range_program_, slab_program_, layer_program_, copy_program_;
-    GlProgram mean_program_, largest_program_, copy_means_program_;
+    GlProgram range_program_, copy_program_, mean_program_, largest_program_, copy_means_program_;
+    GlProgram slab_programs_[2], finish_programs_[2];  ///< without and with light
     GlVertexArray no_vertices_;
-    GlTexture table_;
-    std::optional<GlTarget> light_, layers_, ranges_, strip_, densest_;
-    std::uint64_t lit_field_ = 0;                ///< field and transfer function of the light
-    std::optional<ValueTransfer> lit_transfer_;  ///< none: planes of values
+    GlTexture pieces_, table_;
+    std::optional<GlTarget> layers_, before_, range_, strip_, densest_;
+    std::uint64_t lit_field_ = 0;  ///< field and transfer function of the light
+    std::optional<ValueTransfer> lit_transfer_;
+    device::MeanLight light_{};  ///< without its arrays
+    bool exact_ = false;
 };
 
 }  // namespace vog::viewer

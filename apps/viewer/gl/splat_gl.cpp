@@ -84,13 +84,12 @@ void GlModel::set_attributes() const {
     set_attribute(2, 4, kInstanceFloats, 7);
 }
 
-void set_attribute(GLuint place, GLint count, std::size_t floats, std::size_t offset,
-                   GLuint divisor) {
+void set_attribute(GLuint place, GLint count, std::size_t floats, std::size_t offset) {
     glEnableVertexAttribArray(place);
     glVertexAttribPointer(place, count, GL_FLOAT, GL_FALSE,
                           static_cast<GLsizei>(floats * sizeof(float)),
                           reinterpret_cast<const void*>(offset * sizeof(float)));
-    glVertexAttribDivisor(place, divisor);
+    glVertexAttribDivisor(place, 1);
 }
 
 Jitter jitter_of(int subframe) {

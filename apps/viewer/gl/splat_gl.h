@@ -53,8 +53,7 @@ void set_view(const GlProgram& program, const GlModel& model, const CameraFrame&
 void draw_gaussians(GLuint vertex_array, std::size_t count, GLenum equation = GL_FUNC_ADD);
 /// Binds numbers of the bound buffer to an attribute of the bound vertex array.
 /// floats, offset  of one Gaussian's set; of the attribute in it
-void set_attribute(GLuint place, GLint count, std::size_t floats, std::size_t offset,
-                   GLuint divisor = 1);
+void set_attribute(GLuint place, GLint count, std::size_t floats, std::size_t offset);
 
 class GlSplat {
   public:

@@ -2,9 +2,8 @@
 #include "render/by_value/light_of_moments.h"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
-#include <cstdint>
 
 #include "core/parallel.h"
 #include "render/by_value/value_pieces.h"
@@ -131,31 +130,6 @@ ValueRange value_range(const ScalarField& field) {
     return {field.lower - margin, field.upper + margin};
 }
 
-float MomentTable::row(float variance) {
-    // The bits of a float above a power of two count octaves, linear between them.
-    constexpr float kFirst = kMostVariance / static_cast<float>(1u << (kOctaves - 1));
-    if (variance <= kFirst) return variance > 0 ? variance / kFirst : 0;
-    const std::uint32_t above = std::bit_cast<std::uint32_t>(std::min(variance, kMostVariance)) -
-                                std::bit_cast<std::uint32_t>(kFirst);
-    return 1 + static_cast<float>(above) * 0x1p-23f;
-}
-
-std::array<float, 4> MomentTable::at(float mean, float variance) const {
-    const float x = position(mean) * (kColumns - 1), y = row(variance);
-    const int column = std::min(static_cast<int>(x), kColumns - 2);
-    const int above = std::min(static_cast<int>(y), kRows - 2);
-    const float right = x - static_cast<float>(column), down = y - static_cast<float>(above);
-    const auto* upper = &light[static_cast<std::size_t>(above * kColumns + column)];
-    const auto* lower = upper + kColumns;
-    std::array<float, 4> out;
-    for (std::size_t c = 0; c < 4; ++c) {
-        const float a = upper[0][c] + right * (upper[1][c] - upper[0][c]);
-        const float b = lower[0][c] + right * (lower[1][c] - lower[0][c]);
-        out[c] = a + down * (b - a);
-    }
-    return out;
-}
-
 LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& range,
                                bool per_value, double unit) {
     add_pieces(transfer, range, per_value, unit);
@@ -166,8 +140,8 @@ LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& 
     if (!(high - low > 1e-5)) low = 0, high = 1;
     const double margin = 0.05 * (high - low);
     low = std::max(low - margin, 0.0), high = std::min(high + margin, 1.0);
-    table_.low = static_cast<float>(low), table_.high = static_cast<float>(high);
-    table_.per_part = static_cast<float>(0.5 / (high - low));
+    shape_.low = static_cast<float>(low), shape_.high = static_cast<float>(high);
+    shape_.per_range = 0.5f, shape_.per_part = static_cast<float>(0.5 / (high - low));
     fill_table();
     resolved_ = follows();
 }
@@ -198,7 +172,7 @@ void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange&
 }
 
 float LightOfMoments::value_at(double position) const {
-    const MomentTable& t = table_;
+    const device::MeanLight& t = shape_;
     const double at_low{t.position(t.low)}, at_high{t.position(t.high)};
     if (position <= at_low) return static_cast<float>(2 * position);
     if (position >= at_high) return static_cast<float>(1 - 2 * (1 - position));
@@ -207,21 +181,24 @@ float LightOfMoments::value_at(double position) const {
 }
 
 void LightOfMoments::fill_table() {
-    constexpr int kColumns = MomentTable::kColumns, kOctaves = MomentTable::kOctaves;
-    table_.light.resize(std::size_t{MomentTable::kRows} * kColumns);
+    constexpr int kColumns = device::MeanLight::kColumns, kOctaves = device::MeanLight::kOctaves;
+    const device::LightPieces pieces = mean_light().pieces;
+    table_.resize(std::size_t{4} * device::MeanLight::kRows * kColumns);
     std::vector<float> value(kColumns);
     for (int n = 0; n < kColumns; ++n)
         value[static_cast<std::size_t>(n)] = value_at(double(n) / (kColumns - 1));
-    vog::parallel_for(0, MomentTable::kRows, [&](int row) {
+    vog::parallel_for(0, device::MeanLight::kRows, [&](int row) {
         const double deviation =
-            row == 0 ? 0
-                     : std::sqrt(double{MomentTable::kMostVariance} * std::exp2(row - kOctaves));
+            row == 0
+                ? 0
+                : std::sqrt(double{device::MeanLight::kMostVariance} * std::exp2(row - kOctaves));
         // A quarter of the deviation apart, and linear between; columns are at most 2 / kColumns apart.
         int step = 1;
         while (2 * step * 2.0 / kColumns < 0.25 * deviation) step *= 2;
-        auto* out = &table_.light[static_cast<std::size_t>(row) * kColumns];
+        float* out = &table_[std::size_t{4} * static_cast<std::size_t>(row) * kColumns];
         const auto set = [&](int n) {
-            out[n] = exact(value[static_cast<std::size_t>(n)], static_cast<float>(deviation));
+            pieces.light(value[static_cast<std::size_t>(n)], static_cast<float>(deviation),
+                         out + 4 * n);
         };
         set(0);
         for (int from = 0; from < kColumns - 1; from += step) {
@@ -231,8 +208,9 @@ void LightOfMoments::fill_table() {
             const float per = 1 / (value[static_cast<std::size_t>(to)] - a);
             for (int n = from + 1; n < to; ++n) {
                 const float share = (value[static_cast<std::size_t>(n)] - a) * per;
-                for (std::size_t c = 0; c < 4; ++c)
-                    out[n][c] = out[from][c] + share * (out[to][c] - out[from][c]);
+                for (int c = 0; c < 4; ++c)
+                    out[4 * n + c] =
+                        out[4 * from + c] + share * (out[4 * to + c] - out[4 * from + c]);
             }
         }
     });
@@ -245,9 +223,9 @@ bool LightOfMoments::follows() const {
     for (const device::LightPiece& p : pieces_)
         most = std::max({most, double{p.first[3]}, double{p.last[3]}});
     std::size_t n = 0;
-    for (int column = 0; column + 1 < MomentTable::kColumns; ++column) {
-        const float to = value_at(double(column + 1) / (MomentTable::kColumns - 1));
-        const float from = value_at(double(column) / (MomentTable::kColumns - 1));
+    for (int column = 0; column + 1 < device::MeanLight::kColumns; ++column) {
+        const float to = value_at(double(column + 1) / (device::MeanLight::kColumns - 1));
+        const float from = value_at(double(column) / (device::MeanLight::kColumns - 1));
         while (n + 1 < pieces_.size() && pieces_[n].end <= from) ++n;
         Sum before{}, first{}, last{};
         std::array<double, 4> path{};

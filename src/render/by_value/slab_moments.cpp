@@ -1,42 +1,37 @@
-// slab_moments.cpp: Light of values with given moments, by the closed form.
+// slab_moments.cpp: Moments of sums in double precision, and the limit of maxima.
 #include "render/by_value/slab_moments.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "data/field_limits.h"
+
 namespace vog::by_value {
 
-NormalPair normal_pair(const ValueMoments& m) {
-    const double deviation = std::sqrt(m.variance);
-    if (!(m.variance > double{NormalPair::kLeastVariance})) return {m.mean, m.mean, deviation, 0.5};
-    constexpr double kMost = NormalPair::kMostSkewness, kShare = NormalPair::kShare;
-    const double u = double{NormalPair::kPerCube} *
-                     std::clamp(m.third / (m.variance * deviation), -kMost, kMost);
-    const double root = std::sqrt(u * u + 4), half = 0.5 * kShare * deviation;
-    return {m.mean + half * (u + root), m.mean + half * (u - root),
-            deviation * std::sqrt(1 - kShare * kShare), 0.5 * (1 - u / root)};
+Residual point_residual(const Gaussians& gaussians, const ScalarField& field,
+                        const ValueRange& range, std::size_t i, double within) {
+    const double extent = range.upper - range.lower;
+    Residual residual = residual_of(field, range, i);
+    residual.variance += within * plane_variance(gaussians, field, i) / (extent * extent);
+    return residual;
 }
 
-StepLight::StepLight(const ValueTransfer& transfer, const ScalarField& field,
-                     const VolumeLook& look)
-    : light_(transfer, value_range(field), field.is_measure), lighting_(look) {}
+device::ValueMoments MomentSums::moments() const {
+    if (!(tau > 0)) return {0, 0, 0, 0, {0, 0, 0}};
+    const auto f = [](double v) { return static_cast<float>(v); };
+    const double mean = first / tau, square = second / tau;
+    return {f(tau),
+            f(mean),
+            f(std::max(square - mean * mean, 0.0)),
+            f(third / tau - mean * (3 * square - 2 * mean * mean)),
+            {f(gradient.x / tau), f(gradient.y / tau), f(gradient.z / tau)}};
+}
 
-std::array<float, 4> StepLight::operator()(const MomentSums& sums, Vec3d towards_eye) const {
-    const NormalPair pair = normal_pair(sums.moments());
-    const auto mean_of = [&](double mean) {
-        return light_.exact(static_cast<float>(std::clamp(mean, 0.0, 1.0)),
-                            static_cast<float>(pair.deviation));
-    };
-    const std::array<float, 4> high = mean_of(pair.high), low = mean_of(pair.low);
-    std::array<float, 4> s;
-    for (std::size_t c = 0; c < 4; ++c)
-        s[c] = low[c] + static_cast<float>(pair.of_high) * (high[c] - low[c]);
-    if (!lighting_.on()) return s;
-    const Shading by = lighting_(sums.gradient, towards_eye);
-    for (std::size_t c = 0; c < 3; ++c)
-        s[c] = std::min(static_cast<float>(by.body) * s[c] + static_cast<float>(by.shine) * s[3],
-                        s[3]);
-    return s;
+double most_share_per_density(const ScalarField& field) {
+    // Smoke of 2,990 Gaussians lies 34.4 dB from its voxels with 3 and with 5, 33.8 with 1.2, 33.0 without limit.
+    constexpr double kMost = 3;
+    const double range = field.upper - field.lower;
+    return field.is_measure && range > 0 ? kMost / range : HUGE_VAL;
 }
 
 }  // namespace vog::by_value

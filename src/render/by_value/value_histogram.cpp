@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/by_value/value_light.h"
+#include "data/field_limits.h"
 
 namespace vog::by_value {
 
 std::vector<double> value_bins(const ScalarField& field, std::size_t bins, bool logarithmic) {
     double lower = field.lower, upper = field.upper;
-    if (!(upper > lower)) {  // as ExpectedLight has data of one value
+    if (!(upper > lower)) {  // as value_range()
         const double margin = std::max(std::abs(lower), 1e-300) * 1e-3;
         upper = lower + margin;
         if (!logarithmic) lower -= margin;

@@ -1,5 +1,6 @@
 // expected_light.h: Mean light of values that are normally distributed, under a transfer function, in closed form
-// (docs/volume_rendering.md). by_value/light_of_moments.h makes the arrays.
+// (docs/volume_rendering.md), and by a table of it: linear in the mean and in the variance, in which it is smooth (the
+// mean light solves the heat equation). by_value/light_of_moments.h makes the arrays. Values are shares of a field's range.
 //
 // Light per unit of the measure is linear in pieces of the values. Over a piece from a to b, with Phi and n the normal
 // distribution function and density, z = (value - mean) / deviation and t = (value - a) / (b - a) in [0, 1],
@@ -30,6 +31,35 @@ struct LightPieces {
     /// mean       in [0, 1]
     /// deviation  >= 0
     VOG_HD void light(float mean, float deviation, float out[4]) const;
+};
+
+/// Mean light of a transfer function, by its table where that follows it.
+struct MeanLight {
+    static constexpr int32_t kColumns = 1024, kOctaves = 20, kRows = kOctaves + 1;
+    /// Variance of the last row. Row 0 has variance 0, row n > 0 this divided by 2^(kOctaves - n).
+    static constexpr float kMostVariance = 0.25f;
+    static constexpr float kLeastVariance =
+        kMostVariance / static_cast<float>(1 << (kOctaves - 1));  ///< of row 1
+
+    LightPieces pieces;
+    const float* table;  ///< [kRows][kColumns][4]; null: bands are narrower than its columns
+    /// Half of the columns lie over the whole range, half over the part of it where the transfer function changes:
+    /// position = mean per_range + (clamp(mean, low, high) - low) per_part, 0 to 1.
+    float low, high, per_range, per_part;
+
+    VOG_HD float position(float mean) const {
+        return mean * per_range + (fminf(fmaxf(mean, low), high) - low) * per_part;
+    }
+    /// Row of a variance, [0, kOctaves]: linear in it between rows.
+    VOG_HD static float row(float variance);
+    VOG_HD void at(float mean, float variance, float out[4]) const;
+    /// Mean light: at() where there is a table.
+    VOG_HD void light(float mean, float variance, float out[4]) const {
+        if (table)
+            at(mean, variance, out);
+        else
+            pieces.light(mean, sqrtf(variance), out);
+    }
 };
 
 VOG_HD int32_t LightPieces::piece_at(float value) const {
@@ -83,6 +113,33 @@ VOG_HD void LightPieces::light(float mean, float deviation, float out[4]) const 
     }
     const float per_whole = whole > 0 ? 1 / whole : 0;
     for (int c = 0; c < 4; ++c) out[c] = per_whole * sum[c];
+}
+
+VOG_HD float MeanLight::row(float variance) {
+    if (variance <= kLeastVariance) return variance > 0 ? variance / kLeastVariance : 0;
+    // The bits of a float above a power of two count octaves, linear between them.
+    union {
+        float value;
+        int32_t bits;
+    } as, least;
+    as.value = fminf(variance, kMostVariance);
+    least.value = kLeastVariance;
+    return 1 + static_cast<float>(as.bits - least.bits) * (1.0f / (1 << 23));
+}
+
+VOG_HD void MeanLight::at(float mean, float variance, float out[4]) const {
+    const float x = position(mean) * (kColumns - 1), y = row(variance);
+    const int32_t left = static_cast<int32_t>(x), top = static_cast<int32_t>(y);
+    const int32_t column = left < kColumns - 2 ? left : kColumns - 2;
+    const int32_t above = top < kRows - 2 ? top : kRows - 2;
+    const float right = x - static_cast<float>(column), down = y - static_cast<float>(above);
+    const float* upper = table + 4 * (above * kColumns + column);
+    const float* lower = upper + 4 * kColumns;
+    for (int c = 0; c < 4; ++c) {
+        const float a = upper[c] + right * (upper[4 + c] - upper[c]);
+        const float b = lower[c] + right * (lower[4 + c] - lower[c]);
+        out[c] = a + down * (b - a);
+    }
 }
 
 }  // namespace vog::device

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/by_value/value_light.h"
+#include "data/field_limits.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 
@@ -27,8 +27,8 @@ bool is_measure(const VoxelField& field) {
 void add_values(const Gaussians& gaussians, const ScalarField& field, std::size_t i, double mass,
                 ValueCounts& counts) {
     constexpr double kAt[7] = {-1.465, -0.792, -0.366, 0, 0.366, 0.792, 1.465};
-    const double deviation = std::hypot(double{field.deviation[i]},
-                                        std::sqrt(by_value::plane_variance(gaussians, field, i)));
+    const double deviation =
+        std::hypot(double{field.deviation[i]}, std::sqrt(plane_variance(gaussians, field, i)));
     for (const double at : kAt) {
         const double value = double{field.value[i]} + at * deviation;
         counts.add(static_cast<float>(std::clamp(value, field.lower, field.upper)), mass / 7);

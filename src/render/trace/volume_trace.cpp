@@ -7,7 +7,6 @@
 
 #include "render/by_value/lighting.h"
 #include "render/by_value/slab_moments.h"
-#include "render/by_value/value_light.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_tiles.h"
 #include "render/shown_field.h"
@@ -175,21 +174,18 @@ RaySteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
     return {std::move(sums), length * model.unit};
 }
 
-/// Emission and absorption, front to back.
-Rgba composited(const RaySteps& steps, const StepLight& light, Vec3d towards_eye) {
-    double transmittance = 1;
-    std::array<double, 3> color{};
+/// Emission and absorption, front to back, by the closed form of mean light.
+Rgba composited(const RaySteps& steps, const device::MeanLight& light,
+                const device::BlinnPhong& look, device::Double3 towards_eye) {
+    device::SeenLight seen{{0, 0, 0}, 1};
     for (const MomentSums& sums : steps.sums) {
         if (!(sums.tau > 0)) continue;
-        const auto s = light(sums, towards_eye);
-        const double depth = sums.tau * double{s[3]};
-        if (!(depth > 0)) continue;
-        const double weight = transmittance * -std::expm1(-depth) / double{s[3]};
-        for (std::size_t n = 0; n < 3; ++n) color[n] += weight * double{s[n]};
-        transmittance *= std::exp(-depth);
+        const device::ValueMoments moments = sums.moments();
+        float color[4];
+        device::light_of(light, look, moments, towards_eye, color);
+        device::composite(color, moments.tau, seen);
     }
-    return {static_cast<float>(color[0]), static_cast<float>(color[1]),
-            static_cast<float>(color[2]), static_cast<float>(1 - transmittance)};
+    return {seen.color[0], seen.color[1], seen.color[2], 1 - seen.passed};
 }
 
 /// Largest mean of the steps' values where there is density enough, as a share of the field's range; negative: none.
@@ -279,10 +275,13 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
     VolumeImage image{width, height, {}};
     image.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                        Rgba{0, 0, 0, 0});
-    const StepLight light(transfer, values, look);
+    const LightOfMoments made(transfer, value_range(values), values.is_measure);
+    device::MeanLight light = made.mean_light();
+    light.table = nullptr;
+    const device::BlinnPhong shading = blinn_phong(look);
     trace_sums(gaussians, values, {camera, width, height, options, scene, look},
                [&](std::size_t pixel, const RaySteps& steps, Vec3d direction) {
-                   image.pixel[pixel] = composited(steps, light, -1.0 * direction);
+                   image.pixel[pixel] = composited(steps, light, shading, plain(-1.0 * direction));
                });
     return image;
 }

@@ -1,5 +1,5 @@
-// chord.glsl: the part of a pixel's ray inside one Gaussian, for field.frag and slab.frag; the forms are those of
-// splat.frag. Along the ray of direction D, whose component along the view is 1, depths t are measured along the
+// chord.glsl: the part of a pixel's ray inside one Gaussian, for field.frag and slab.frag, after erf.glsl; the forms are
+// those of splat.frag. Along the ray of direction D, whose component along the view is 1, depths t are measured along the
 // view; the Gaussian is a normal distribution about t* with some deviation, cut at u = -reach and reach deviations,
 // at the eye and where the clip ends.
 flat in vec4 center_ax_ay;
@@ -18,18 +18,6 @@ uniform int clip_planes;        // number of planes
 uniform vec4 clip_plane[16];    // normal along right, up and forward, offset: what stays has n.x >= offset from the eye
 
 const float kTwoPi = 6.28318530717958647;
-
-// For x >= 0: the first terms of its series, then Abramowitz and Stegun 7.1.26, of absolute error below 1.5e-7.
-float erf_positive(float x) {
-    float x2 = x * x;
-    if (x < 0.3) return 1.12837916709551 * x * (1.0 - x2 * (1.0 / 3.0 - x2 * (0.1 - x2 * (1.0 / 42.0 - x2 / 216.0))));
-    float t = 1.0 / (1.0 + 0.3275911 * x);
-    float sum = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
-    return 1.0 - sum * exp(-x2);
-}
-float erf_any(float x) { return sign(x) * erf_positive(abs(x)); }
-// Integral of a normal distribution from 0 to u.
-float normal_to(float u) { return 0.5 * erf_any(0.70710678118654752 * u); }
 
 struct Chord {
     vec3 direction;    // D along right, up and forward

@@ -9,7 +9,7 @@ layout(location = 0) out vec4 color;
 void main() {
     color = texelFetch(image, ivec2(gl_FragCoord.xy - vec2(0.0, first_row)), 0);
 #ifdef MEANS
-    float value = clamp(color.g, -1.0, 1.0);  // of the field's range
+    float value = 2.0 * color.g - 1.0;  // the field's range is -1 to 1
     color = color.r > 0.0 ? vec4(1.0, value, value * value, 0.0) : vec4(0.0);
 #endif
 }

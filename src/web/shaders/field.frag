@@ -1,8 +1,8 @@
 // field.frag: sums of a field along one pixel's ray through one Gaussian, added up by blending: tau, tau times the
-// field's mean, tau times its mean square (docs/fields.md). Follows chord.glsl.
+// field's mean, tau times its mean square (docs/fields.md). Follows erf.glsl, chord.glsl.
 #ifdef SCALAR
 flat in vec4 plane;
-flat in float rest;
+flat in vec3 rest;
 #else
 flat in vec4 plane_r, plane_u, plane_f;
 flat in vec3 rest_r, rest_uf;
@@ -37,7 +37,7 @@ void main() {
     float slant = length(chord.direction);
     vec3 at = chord.at + along.x * chord.deviation * chord.direction;
 #ifdef SCALAR
-    float value = plane.w + dot(plane.xyz, at), rate = dot(plane.xyz, chord.direction), variance = rest;
+    float value = plane.w + rest.z * dot(plane.xyz, at), rate = rest.z * dot(plane.xyz, chord.direction), variance = rest.x;
 #else
     // The component along the ray.
     vec3 d = chord.direction / slant;

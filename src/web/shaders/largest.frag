@@ -2,24 +2,22 @@
 // 1, mean. Before that the largest of the slabs' densities.
 uniform highp sampler2D layer_0, layer_1, layer_2, layer_3;
 uniform highp sampler2D densest;  // the largest density
-uniform highp sampler2D ranges;   // of each tile: minus the least depth, the largest
+uniform highp sampler2D ranges;   // of all depths: minus the least, the largest
 uniform int of_means;             // 0: densities
 uniform float least_share;        // of the largest density, below which a mean does not count
-uniform float most;               // largest mean, from the lower end of the range, for a density of 1; 0: any
-uniform vec2 tile_px;
+uniform float most;               // largest share of the field's range for a density of 1; 0: any
 uniform float slabs;
-uniform float first_row;          // of the image, in the target's row 0
 
 layout(location = 0) out vec4 color;
 
 float least, per_thickness;
 
 void add_slab(vec2 slab) {
-    if (of_means == 0) color.r = max(color.r, slab.y);
-    else if (slab.y > 0.0 && slab.y >= least) {
-        float mean = slab.x / slab.y;
-        if (most > 0.0) mean = min(mean, most * per_thickness * slab.y - 1.0);
-        color = vec4(1.0, max(color.g, mean), 0.0, 0.0);
+    if (of_means == 0) color.r = max(color.r, slab.x);
+    else if (slab.x > 0.0 && slab.x >= least) {
+        float mean = slab.y / slab.x;
+        if (most > 0.0) mean = min(mean, most * per_thickness * slab.x);
+        color = vec4(1.0, max(color.g, clamp(mean, 0.0, 1.0)), 0.0, 0.0);
     }
 }
 
@@ -30,10 +28,10 @@ void add(vec4 two) {
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec2 range = texelFetch(ranges, ivec2((gl_FragCoord.xy + vec2(0.0, first_row)) / tile_px), 0).xy;
-    per_thickness = slabs / (range.x + range.y);
+    vec2 range = texelFetch(ranges, ivec2(0), 0).xy;
+    per_thickness = slabs / (range.x + range.y);  // of a density's part, a unit of depth
     least = of_means == 0 ? 0.0 : least_share * texelFetch(densest, at, 0).r;
-    color = vec4(0.0, of_means == 0 ? 0.0 : -60000.0, 0.0, 0.0);
+    color = vec4(0.0, 0.0, 0.0, 0.0);
     add(texelFetch(layer_0, at, 0));
     add(texelFetch(layer_1, at, 0));
     add(texelFetch(layer_2, at, 0));

@@ -1,4 +1,4 @@
-// ranges.frag: depths of a Gaussian's support, for the tiles it touches; the largest of both numbers is kept.
+// ranges.frag: depths of a Gaussian's support; the largest of both numbers is kept.
 flat in vec2 range;
 
 layout(location = 0) out vec2 kept;

@@ -3,10 +3,10 @@
 // Shared by WebGL2 and OpenGL 3.3; the #version line is prepended at run time, and a word for what is drawn:
 //   (none)         T: splat.frag
 //   SCALAR, VECTOR sums of a field, and all that is clipped: field.frag
-//   SLABS          light in depth slabs: slab.frag
+//   SLABS, LIT     moments of a field in depth slabs, with its gradient: slab.frag
 //   MEANS          densities and means of a field in depth slabs: slab.frag
-//   RANGES         the tiles' ranges of depth: ranges.frag
-#ifdef MEANS
+//   RANGES         the range of all depths: ranges.frag
+#if defined(MEANS) || defined(LIT)
 #define SLABS
 #endif
 layout(location = 0) in vec4 mean_density;  // mean relative to the model's centre; peak density
@@ -38,18 +38,12 @@ uniform float cutoff;                // standard deviations
 uniform vec4 limits;                 // of small Gaussians (render/pixel_limits.h): smallest variance drawn, variance
                                      // from which pixel centres are exact, variance and mass of the kernel
 
-#if defined(SLABS) || defined(RANGES)
-uniform vec2 tile_px;                // size of a tile
-uniform highp sampler2D light_0, light_1, light_2;  // light.vert: powers of z, rows of kLightWidth Gaussians
-uniform int first_instance;          // place of the first one drawn in them
-const int kLightWidth = 1024;
-#endif
 #ifdef SLABS
-uniform highp sampler2D ranges;      // of each tile: minus the least depth, the largest
+uniform highp sampler2D ranges;      // of all depths: minus the least, the largest
 uniform float slabs, first_slab, layers;  // of the picture; those of this pass
-uniform float per_extinction;        // density over that of T
-uniform vec4 lighting;               // ambient, diffuse, specular, power; no light: power 0
-uniform vec3 towards_light;          // along right, up and forward; 0: the eye
+const float kShift = 0.5, kPerUnit = 0.5;  // shares of the field's range, which is -1 to 1
+#else
+const float kShift = 0.0, kPerUnit = 1.0;
 #endif
 
 #ifdef RANGES
@@ -63,17 +57,13 @@ flat out vec4 step_y_near;   // near = 1: the exact segment form
 #if defined(SCALAR) || defined(VECTOR) || defined(SLABS)
 flat out vec4 place;         // mean along right, up and forward; far: deviation along the ray through it, as a depth
 #endif
-#ifdef SCALAR
+#if defined(SCALAR) || defined(SLABS)
 flat out vec4 plane;         // gradient along right, up and forward; value
-flat out float rest;         // variance
+flat out vec3 rest;          // variance and third central moment; 0: constant along rays
 #endif
 #ifdef VECTOR
 flat out vec4 plane_r, plane_u, plane_f;  // of the components along right, up and forward
 flat out vec3 rest_r, rest_uf;            // covariance: rr ru rf, uu uf ff
-#endif
-#ifdef SLABS
-flat out vec3 slope;         // gradient of z along right, up and forward
-flat out vec4 light_at_0, light_at_1, light_at_2;
 #endif
 
 // Tapers of small Gaussians: render/device/pixel_limits.h.
@@ -213,77 +203,17 @@ float share_of_sum(Shape g, vec3 mean, vec2 center, vec2 a, float b, vec3 toward
 vec3 gradient_of(Shape g, vec3 h) { return vec3(dot(h, g.white_r), dot(h, g.white_u), dot(h, g.white_f)); }
 #endif
 
-#if defined(SLABS) || defined(RANGES)
-vec4 light_in(highp sampler2D image) {
-    int n = first_instance + gl_InstanceID;
-    return texelFetch(image, ivec2(n % kLightWidth, n / kLightWidth), 0);
-}
-
-// Whether the transfer function shows nothing of the Gaussian.
-bool is_dark() {
-    return light_in(light_0) == vec4(0.0) && light_in(light_1) == vec4(0.0) && light_in(light_2) == vec4(0.0);
-}
-#endif
-
-#ifdef SLABS
-// Body and shine of Blinn and Phong's shading (render/by_value/lighting.h); along the camera's axes.
-vec2 shading(vec3 gradient, vec3 towards_eye) {
-    float steepness = length(gradient);
-    if (lighting.w == 0.0 || !(steepness > 0.0)) return vec2(1.0, 0.0);
-    vec3 normal = gradient / steepness;
-    if (dot(normal, towards_eye) < 0.0) normal = -normal;
-    vec3 light = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
-    float facing = max(dot(normal, light), 0.0);
-    vec3 between = light + towards_eye;
-    float mirrored = facing > 0.0 ? clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0.0;
-    return vec2(lighting.x + lighting.y * facing, mirrored > 0.0 ? lighting.z * pow(mirrored, lighting.w) : 0.0);
-}
-
-// Light of the Gaussian, shaded as the middle of the picture sees it, as far as its plane explains its values.
-void set_light(Shape g, vec3 mean, bool wide) {
-    light_at_0 = light_in(light_0), light_at_1 = light_in(light_1), light_at_2 = light_in(light_2);
-    vec3 h = field_plane.yzw;
-    float spread2 = dot(h, h);
-    if (!(spread2 > 4e-12)) spread2 = 0.0;  // constant, as light.vert has it
-    float within = limits.z * spread2;
-    vec3 gradient = gradient_of(g, h);
-    if (within > 0.0) {
-        vec2 by = within / (within + field_rest.x * field_rest.x) *
-                  (shading(gradient, parallel == 1.0 ? vec3(0.0, 0.0, -1.0) : -normalize(mean)) - vec2(1.0, 0.0));
-        light_at_0.rgb = (1.0 + by.x) * light_at_0.rgb + by.y * light_at_0.a;
-        light_at_1.rgb = (1.0 + by.x) * light_at_1.rgb + by.y * light_at_1.a;
-        light_at_2.rgb = (1.0 + by.x) * light_at_2.rgb + by.y * light_at_2.a;
-    }
-    if (wide) light_at_0 += limits.z * light_at_2;  // the mean of z^2 over the kernel
-    slope = wide || spread2 == 0.0 ? vec3(0.0) : gradient / sqrt(spread2);
-}
-
-// Whether the Gaussian meets none of this pass's slabs in any of its tiles; not asked of many tiles.
-bool beside(vec2 first_tile, vec2 last_tile, vec2 depths) {
-    const float kMostTiles = 512.0;
-    vec2 count = last_tile - first_tile + 1.0;
-    if (count.x * count.y > kMostTiles) return false;
-    for (float y = first_tile.y; y <= last_tile.y; ++y)
-        for (float x = first_tile.x; x <= last_tile.x; ++x) {
-            vec2 range = texelFetch(ranges, ivec2(x, y), 0).xy;
-            float per_slab = slabs / (range.x + range.y);
-            vec2 met = (depths + range.x) * per_slab - first_slab;
-            if (met.y > -0.001 && met.x < layers + 0.001) return false;
-        }
-    return true;
-}
-#endif
-
 #if defined(SCALAR) || defined(VECTOR) || defined(SLABS)
 // What fields need. A Gaussian drawn wider than it is counts as a point: constant, with its whole variance.
 // drawn  g, or wider
 void set_field(Shape g, Shape drawn, vec3 mean, bool wide) {
     vec3 e = mean.x * drawn.white_r + mean.y * drawn.white_u + mean.z * drawn.white_f;
     place = vec4(mean, parallel == 1.0 ? 1.0 / length(drawn.white_f) : mean.z / length(e));
-#ifdef SCALAR
-    vec3 h = field_plane.yzw;
-    plane = vec4(wide ? vec3(0.0) : gradient_of(g, h), field_plane.x);
-    rest = field_rest.x * field_rest.x + (wide ? limits.z * dot(h, h) : 0.0);
+#if defined(SCALAR) || defined(SLABS)
+    vec3 h = kPerUnit * field_plane.yzw;
+    float r = kPerUnit * field_rest.x;
+    plane = vec4(gradient_of(g, h), kShift + kPerUnit * field_plane.x);
+    rest = vec3(r * r + (wide ? limits.z * dot(h, h) : 0.0), field_rest.y * r * r * r, wide ? 0.0 : 1.0);
 #endif
 #ifdef VECTOR
     mat3 turn = transpose(mat3(right, up, forward));  // camera's components from the world's
@@ -300,17 +230,10 @@ void set_field(Shape g, Shape drawn, vec3 mean, bool wide) {
     rest_r = r[0];
     rest_uf = vec3(r[1].yz, r[2].z);
 #endif
-#ifdef SLABS
-    set_light(g, mean, wide);
-#endif
 }
 #endif
 
 void main() {
-#if defined(SLABS) || defined(RANGES)
-    gl_Position = kNowhere;
-    if (is_dark()) return;
-#endif
     mat3 own_from_world = transpose(rotation_matrix(rotation));
     vec3 mean = vec3(dot(mean_density.xyz, right), dot(mean_density.xyz, up), dot(mean_density.xyz, forward)) - eye;
     float x = mean.x, y = mean.y, z = mean.z;
@@ -347,12 +270,11 @@ void main() {
         low = -half_px, high = half_px;
     }
 #if defined(RANGES) || defined(SLABS)
-    // Tiles of the pixels whose centres lie in the bounds, as src/render/splat has them: ranges of depth are equal.
+    // Pixels whose centres lie in the bounds, as src/render/splat has them: ranges of depth are equal.
     const float kSlack = 1e-4;  // pixels
     vec2 first_px = max(ceil(low + half_px - 0.5 - kSlack), 0.0);
     vec2 last_px = min(floor(high + half_px - 0.5 + kSlack), size_px - 1.0);
     if (any(lessThan(last_px, first_px))) return;
-    vec2 tiles = ceil(size_px / tile_px), first_tile = floor(first_px / tile_px), last_tile = floor(last_px / tile_px);
     vec2 depths = max(vec2(z - extent, z + extent), 0.0);
 #endif
     const float kPad = 0.02;  // pixels; covers float rounding, and fragments outside add nothing
@@ -360,10 +282,12 @@ void main() {
     if (any(lessThanEqual(high, low))) return;
 #ifdef RANGES
     range = vec2(-depths.x, depths.y);
-    gl_Position = vec4(mix(first_tile, last_tile + 1.0, 0.5 * corner + 0.5) / tiles * 2.0 - 1.0, 0.0, 1.0);
+    gl_Position = vec4(corner, 0.0, 1.0);  // one pixel
 #else
 #ifdef SLABS
-    if (beside(first_tile, last_tile, depths)) return;
+    // A Gaussian beside this pass's slabs.
+    vec2 all = texelFetch(ranges, ivec2(0), 0).xy, met = (depths + all.x) * slabs / (all.x + all.y) - first_slab;
+    if (met.y < -0.001 || met.x > layers + 0.001) return;
 #endif
     gl_Position = vec4(mix(low, high, 0.5 * corner + 0.5) / half_px, 0.0, 1.0);  // row 0 of the target is the top of the image
 #if defined(SCALAR) || defined(VECTOR) || defined(SLABS)

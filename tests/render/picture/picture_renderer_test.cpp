@@ -216,8 +216,6 @@ TEST_P(picture_renderer_models, draw_halves_of_small_gaussians_that_make_the_who
 TEST_P(picture_renderer_models, draw_the_same_values_and_light_as_rays_in_exact_order) {
     const auto& [renderer, view, cut] = GetParam();
     if (renderer == Renderer::trace) GTEST_SKIP() << "the rays themselves";
-    if (renderer != Renderer::splat)
-        GTEST_SKIP() << "the kernels still classify each Gaussian before it blends";
     const auto model = some_model();
     PictureRenderer drawn(scene_of(model));
     PictureRequest request =

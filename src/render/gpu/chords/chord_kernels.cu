@@ -13,28 +13,12 @@ namespace {
 using device::Chord;
 using device::ChordPicture;
 
-/// Widens the range of depths of a tile.
+/// Widens the range of depths of the picture.
 __device__ void include_depths(std::uint32_t* range, const device::SplatDepth& depth) {
-    atomicMax(range, device::order_of(-depth.near));
-    atomicMax(range + 1, device::order_of(depth.far));
-}
-
-__device__ void include_depths(const ChordProjection& p, const device::TileSplat& splat,
-                               const device::SplatDepth& depth) {
-    const device::SlabPicture& slabs = p.picture.slabs;
-    if (splat.near) return include_depths(p.ranges + 2 * slabs.tiles, depth);
-    for (std::int32_t y = splat.pixels.y0 / device::kSlabTileHeight;
-         y <= splat.pixels.y1 / device::kSlabTileHeight; ++y)
-        for (std::int32_t x = splat.pixels.x0 / device::kSlabTileWidth;
-             x <= splat.pixels.x1 / device::kSlabTileWidth; ++x)
-            include_depths(p.ranges + 2 * (y * slabs.tile_columns + x), depth);
-}
-
-/// From the mean to the eye, or against parallel rays.
-__device__ device::Double3 towards_eye(const ChordPicture& p, device::Double3 mean) {
-    const device::Double3 to = p.camera.orthographic ? -1.0 * p.view.forward : p.camera.eye - mean;
-    const double length = sqrt(device::dot(to, to));
-    return length > 0 ? (1 / length) * to : -1.0 * p.view.forward;
+    // Most lie within what others have set: no need to wait for them.
+    const std::uint32_t near = device::order_of(-depth.near), far = device::order_of(depth.far);
+    if (range[0] < near) atomicMax(range, near);
+    if (range[1] < far) atomicMax(range + 1, far);
 }
 
 __global__ void project_chords_kernel(ChordProjection p) {
@@ -42,10 +26,8 @@ __global__ void project_chords_kernel(ChordProjection p) {
     if (i >= p.count) return;
     p.touched[i] = 0;
     p.shares[i] = 0;
-    if (p.light && p.light[i].dark()) return;
     const device::Gaussian g = p.picture.gaussians[i];
     const device::SplatSource source = device::source_of(g);
-    if (p.lit) p.lit[i] = device::shaded(p.light[i], p.look, towards_eye(p.picture, source.mean));
     const device::Camera& camera = p.picture.camera;
     device::TileSplat splat;
     bool visible = device::project(source, camera, p.kernel, splat);
@@ -57,7 +39,7 @@ __global__ void project_chords_kernel(ChordProjection p) {
     if (!visible) return;
     const device::SplatDepth depth =
         device::splat_depth(source, camera, p.picture.view, p.kernel.cutoff, splat);
-    if (p.ranges) include_depths(p, splat, depth);
+    if (p.range) include_depths(p.range, depth);
     if (p.boxed || (!p.all && !splat.widened)) return;
     p.splats[i] = splat;
     p.depths[i] = depth;
@@ -71,7 +53,7 @@ struct ChordBatch {
     device::Gaussian gaussian[kCount];
     device::TileSplat splat[kCount];
     device::SplatDepth depth[kCount];
-    device::SplatLight light[kCount];  ///< of slabs
+    device::SplatValue value[kCount];  ///< of slabs
     std::uint32_t index[kCount];
     int used[kCount];  ///< 0: left out
     device::TilePlanes planes;
@@ -169,12 +151,12 @@ __global__ void __launch_bounds__(kBlock) chord_sums_kernel(ChordPicture p) {
 constexpr int kSlabGroup = 4;
 
 /// Sums of a group of slabs.
-/// front, back  depths of the group
+template <int kChannels>
 __device__ void add_group(const ChordPicture& p, const TileEntries& entries, const TilePlace& at,
                           const device::ChordRay& ray, const device::RaySlabs& slabs,
-                          device::Float3 direction, int group, ChordBatch& batch,
-                          float (*sums)[4]) {
+                          device::Float3 direction, int group, ChordBatch& batch, float* sums) {
     const bool is_first = group == 0, is_last = group + kSlabGroup >= slabs.count;
+    // Depths of the group's front and back.
     const float front = slabs.first + static_cast<float>(group) * slabs.depth;
     const float back = front + static_cast<float>(kSlabGroup) * slabs.depth;
     const float margin = 1e-3f * slabs.depth;  // more than the rounding of depths
@@ -188,21 +170,23 @@ __device__ void add_group(const ChordPicture& p, const TileEntries& entries, con
             const float near = p.depths[i].near, far = p.depths[i].far;
             if ((is_first || far >= front - margin) && (is_last || near <= back + margin)) {
                 load(p, i, at.thread, batch);
-                batch.light[at.thread] = p.slabs.light[i];
+                batch.value[at.thread] = p.slabs.values[i];
             }
         }
         __syncthreads();
         for (int n = 0; n < filled; ++n) {
             Chord chord;
             if (!batch.used[n] || !chord_at(p, batch, n, ray, at, chord)) continue;
-            const device::ChordLight along =
-                batch.splat[n].widened ? device::widened_light(p.within)
-                                       : device::light_along(batch.light[n], chord, direction);
-            device::add_parts(chord, batch.light[n], along, slabs, group, 0, kSlabGroup, sums);
+            const device::SplatValue& value = batch.value[n];
+            const device::ValueAlong along =
+                batch.splat[n].widened ? device::widened_value(value, batch.gaussian[n], p.within)
+                                       : device::value_along(value, chord, direction);
+            device::add_parts<kChannels>(chord, value, along, slabs, group, 0, kSlabGroup, sums);
         }
     }
 }
 
+template <int kChannels>
 __global__ void __launch_bounds__(kBlock) slabs_kernel(ChordPicture p) {
     __shared__ ChordBatch batch;
     const TilePlace at = place_in(p.tile_columns);
@@ -210,28 +194,17 @@ __global__ void __launch_bounds__(kBlock) slabs_kernel(ChordPicture p) {
     const device::ChordRay ray = device::chord_ray(p.camera, p.bounds, p.view, at.column, at.row);
     const device::Float3 direction = device::to_float(ray.ray.direction);
     const TileEntries entries = entries_of(p, at.tile);
-    // The tile lies within one tile of slabs: all threads have the same number.
-    const device::RaySlabs slabs =
-        device::ray_slabs(p.slabs, ray, at.tile % p.tile_columns * device::kSplatTile,
-                          at.tile / p.tile_columns * device::kSplatTile);
-    const bool inside = in_picture(p, at), maximum = p.slabs.kind == device::SlabKind::maximum;
-    device::SeenLight seen{{0, 0, 0}, 1};
-    device::LargestMean largest{0, -1};
-    for (int sweep = 0; sweep < (maximum ? 2 : 1); ++sweep)
-        for (int group = 0; group < slabs.count; group += kSlabGroup) {
-            const bool lit = inside && (maximum || seen.passed >= device::kDarkSlabs);
-            if (!__syncthreads_or(lit)) break;
-            float sums[kSlabGroup][4] = {};
-            add_group(p, entries, at, ray, slabs, direction, group, batch, sums);
+    device::SlabsOfRay of_ray = device::slabs_of_ray(p.slabs, ray);
+    const bool inside = in_picture(p, at);
+    for (int sweep = 0; sweep < of_ray.sweeps(p.slabs); ++sweep)
+        for (int group = 0; group < of_ray.slabs.count; group += kSlabGroup) {
+            if (!__syncthreads_or(inside && !of_ray.dark())) break;
+            float sums[kSlabGroup * kChannels] = {};
+            add_group<kChannels>(p, entries, at, ray, of_ray.slabs, direction, group, batch, sums);
             VOG_UNROLL
-            for (int n = 0; n < kSlabGroup; ++n) {
-                if (maximum)
-                    device::include(sums[n], p.slabs, slabs, ray.slant, sweep == 1, largest);
-                else if (seen.passed >= device::kDarkSlabs)
-                    device::composite(sums[n], seen);
-            }
+            for (int n = 0; n < kSlabGroup; ++n) of_ray.add(p.slabs, sums + n * kChannels, sweep);
         }
-    if (inside) device::write_color(p.slabs, pixel_of(p, at), seen, largest);
+    if (inside) of_ray.write(p.slabs, pixel_of(p, at));
 }
 
 }  // namespace
@@ -245,7 +218,17 @@ void launch_chord_sums(const device::ChordPicture& picture, std::int64_t tiles) 
 }
 
 void launch_slabs(const device::ChordPicture& picture, std::int64_t tiles) {
-    start("adding up slabs", slabs_kernel, tiles * kBlock, picture);
+    const auto add_up = [&](void (*kernel)(ChordPicture)) {
+        start("adding up slabs", kernel, tiles * kBlock, picture);
+    };
+    switch (picture.slabs.channels) {
+        case device::kMaximumChannels:
+            return add_up(slabs_kernel<device::kMaximumChannels>);
+        case device::kUnlitChannels:
+            return add_up(slabs_kernel<device::kUnlitChannels>);
+        default:
+            return add_up(slabs_kernel<device::kLitChannels>);
+    }
 }
 
 }  // namespace vog::gpu

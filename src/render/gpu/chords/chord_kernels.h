@@ -9,23 +9,20 @@
 
 namespace vog::gpu {
 
-/// Arguments of the projection of a model for a picture of chords. Gaussians without light are left out.
+/// Arguments of the projection of a model for a picture of chords.
 struct ChordProjection {
     device::ChordPicture picture;  ///< gaussians, camera, view
     device::SplatKernel kernel;
     std::int32_t count;  ///< Gaussians
     std::int32_t all;    ///< 1: all that are visible, 0: those that rays leave out
     std::int32_t
-        boxed;  ///< 1: with the paper's boxes, where rays leave out none; for the ranges alone
-    device::BlinnPhong look;
-    const device::SplatLight* light;  ///< [count], not shaded; null: a picture of sums
-    device::SplatLight* lit;          ///< [count] receives the shaded light, or null
-    float* shares;                    ///< [count] receives share_of(); 0 of those without light
-    device::TileSplat* splats;        ///< [count]
-    device::SplatDepth* depths;       ///< [count]
-    std::uint64_t* touched;           ///< [count] receives the number of tiles
-    std::uint32_t* near;    ///< number of Gaussians at the plane of the eye is added to it
-    std::uint32_t* ranges;  ///< SlabPicture::ranges, cleared; null: a picture of sums
+        boxed;      ///< 1: with the paper's boxes, where rays leave out none; for the range alone
+    float* shares;  ///< [count] receives share_of()
+    device::TileSplat* splats;   ///< [count]
+    device::SplatDepth* depths;  ///< [count]
+    std::uint64_t* touched;      ///< [count] receives the number of tiles
+    std::uint32_t* near;         ///< number of Gaussians at the plane of the eye is added to it
+    std::uint32_t* range;        ///< SlabPicture::range, cleared; null: a picture of sums
 };
 void launch_project_chords(const ChordProjection& projection);
 

@@ -17,7 +17,7 @@ class ChordTracer {
     explicit ChordTracer(const std::vector<trace::FloatBox>& boxes);
     ~ChordTracer();
 
-    /// Launches one ray a pixel: of slabs, where launch.chords has light, else of sums.
+    /// Launches one ray a pixel: of slabs, where launch.chords has values of them, else of sums.
     void run(device::Launch launch);
 
   private:

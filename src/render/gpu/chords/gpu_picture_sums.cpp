@@ -57,7 +57,7 @@ void GpuPictures::volume(const std::string& field, const ValueTransfer& transfer
     const CameraFrame frame = s.frame_for(camera, size);
     SumsPass pass = sums.state().prepare(SumsKind::colors, size, 4);
     if (s.count == 0) return sums.state().clear();
-    s.draw_slabs(values, device::SlabKind::light, transfer, frame, slabs, look);
+    s.draw_slabs(values, &transfer, frame, slabs, look);
     pass.from = s.result.data();
     GpuSums::State::finish(pass);
 }
@@ -72,7 +72,7 @@ void GpuPictures::maximum(const std::string& field, const SumsUnit& unit, const 
     const CameraFrame frame = s.frame_for(camera, size);
     SumsPass pass = sums.state().prepare(SumsKind::maximum, size, 4);
     if (s.count == 0) return sums.state().clear();
-    s.draw_slabs(values, device::SlabKind::maximum, std::nullopt, frame, slabs, look);
+    s.draw_slabs(values, nullptr, frame, slabs, look);
     pass.from = s.result.data();
     // As value_of_share.
     pass.offset = (values.lower - unit.reference) / unit.unit;

@@ -9,7 +9,8 @@
 #include <optional>
 
 #include "core/parallel.h"
-#include "render/by_value/value_light.h"
+#include "render/by_value/lighting.h"
+#include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_field.h"
 #include "render/gpu/chords/gpu_pictures_state.h"
 #include "render/gpu/half_spaces.h"
@@ -33,20 +34,17 @@ float within_floats(double number) {
     return static_cast<float>(std::clamp(number, -kMost, kMost));
 }
 
-std::vector<device::SplatLight> splat_light(const ScalarField& field,
-                                            const std::vector<LightQuadratic>& quadratics,
-                                            const TraceModel& model) {
-    std::vector<device::SplatLight> all(quadratics.size());
+std::vector<device::SplatValue> values_in_range(const ScalarField& field, const TraceModel& model) {
+    const ValueRange range = value_range(field);
+    const double per_scene_unit = model.unit / (range.upper - range.lower);
+    std::vector<device::SplatValue> all(field.value.size());
     vog::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
-        const LightQuadratic& from = quadratics[i];
-        device::SplatLight& to = all[i];
-        for (std::size_t c = 0; c < 4; ++c)
-            for (std::size_t power = 0; power < 3; ++power)
-                to.c[c][power] = within_floats(model.depth_unit * double{from.c[c][power]});
-        const double spread = double{from.spread}, per_z = spread > 0 ? model.unit / spread : 0;
-        to.gradient = device::to_float(plain(per_z * vec_cast<double>(field.gradient[i])));
-        to.explained = static_cast<float>(
-            explained_share(from, double{field.deviation[i]}, model.kernel.variance));
+        const Vec3d g = per_scene_unit * vec_cast<double>(field.gradient[i]);
+        const Residual residual = residual_of(field, range, i);
+        all[i] = {{within_floats(range.share(double{field.value[i]})),
+                   {within_floats(g.x), within_floats(g.y), within_floats(g.z)},
+                   within_floats(residual.variance)},
+                  within_floats(residual.third)};
     });
     return all;
 }
@@ -104,42 +102,36 @@ device::ChordPicture GpuPictures::State::begin(const CameraFrame& frame, const C
     return picture;
 }
 
-void GpuPictures::State::draw(device::ChordPicture picture, const device::BlinnPhong& look) {
+void GpuPictures::State::draw(device::ChordPicture picture) {
     const bool all = renderer == Renderer::cuda;
     timer.start();
     // With boxes rays leave out no Gaussian, and sums need no projection.
-    if (!model.boxed || picture.slabs.light) {
-        device::SlabPicture& slabs = picture.slabs;
-        if (slabs.light) {
-            const std::size_t words = 2 * static_cast<std::size_t>(slabs.tiles + 1);
-            ranges.reserve(words, "depths of tiles");
-            check_cuda(cudaMemset(ranges.data(), 0, words * sizeof(std::uint32_t)),
-                       "clearing depths of tiles");
-            slabs.ranges = ranges.data();
-            if (look.on) lit.reserve(static_cast<std::size_t>(count), "shaded light");
+    const bool by_slabs = picture.slabs.values;
+    if (!model.boxed || by_slabs) {
+        if (by_slabs) {
+            range.reserve(2, "the range of depths");
+            check_cuda(cudaMemset(range.data(), 0, 2 * sizeof(std::uint32_t)),
+                       "clearing the range of depths");
+            picture.slabs.range = range.data();
         }
         ChordProjection projection{};
         projection.picture = picture;
         projection.kernel = model.kernel;
         projection.all = all ? 1 : 0;
         projection.boxed = model.boxed ? 1 : 0;
-        projection.look = look;
-        projection.light = slabs.light;
-        projection.lit = slabs.light && look.on ? lit.data() : nullptr;
         projection.shares = shares.data();
         projection.depths = depths.data();
-        projection.ranges = slabs.light ? ranges.data() : nullptr;
+        projection.range = by_slabs ? range.data() : nullptr;
         passes.list(projection);
         picture = projection.picture;
         picture.shares = shares.data();
         picture.depths = depths.data();
-        if (projection.lit) picture.slabs.light = projection.lit;
     }
     if (all) {
         const std::int64_t rows =
             (picture.camera.height + device::kSplatTile - 1) / device::kSplatTile;
         const std::int64_t tiles = picture.tile_columns * rows;
-        picture.slabs.light ? launch_slabs(picture, tiles) : launch_chord_sums(picture, tiles);
+        by_slabs ? launch_slabs(picture, tiles) : launch_chord_sums(picture, tiles);
     } else {
         device::Launch launch{};
         launch.camera = picture.camera;
@@ -229,38 +221,44 @@ FieldMaps GpuPictures::fields(const FieldChoice& choice, const Camera& camera, i
     return maps;
 }
 
-void GpuPictures::State::load_light(const ScalarField& field,
-                                    const std::optional<ValueTransfer>& by) {
-    if (light_field == field.name && transfer == by) return;
-    light_field.reset();  // in case of an error
-    const std::vector<LightQuadratic> quadratics =
-        by ? fit_light(gaussians, field, *by) : value_planes(gaussians, field);
-    light = GpuArray(splat_light(field, quadratics, model), "light of Gaussians");
-    light_field = field.name;
-    transfer = by;
+void GpuPictures::State::load_values(const ScalarField& field) {
+    if (values_field == field.name) return;
+    values_field.reset();  // in case of an error
+    splat_values = GpuArray(values_in_range(field, model), "values of Gaussians");
+    values_field = field.name;
 }
 
-void GpuPictures::State::draw_slabs(const ScalarField& field, device::SlabKind kind,
-                                    const std::optional<ValueTransfer>& by,
+void GpuPictures::State::load_light(const ScalarField& field, const ValueTransfer& transfer) {
+    if (light_of && light_of->first == field.name && light_of->second == transfer) return;
+    light_of.reset();  // in case of an error
+    const LightOfMoments made(transfer, value_range(field), field.is_measure, model.depth_unit);
+    light = made.mean_light();
+    pieces = GpuArray(made.pieces(), "the transfer function");
+    table = GpuArray(made.table(), "means of the transfer function");
+    light.pieces.piece = pieces.data();
+    if (light.table) light.table = table.data();
+    light_of.emplace(field.name, transfer);
+}
+
+void GpuPictures::State::draw_slabs(const ScalarField& field, const ValueTransfer* by,
                                     const CameraFrame& frame, int slabs, const VolumeLook& look) {
-    load_light(field, by);
+    load_values(field);
+    if (by) load_light(field, *by);
     const std::size_t pixels =
         static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
     result.reserve(4 * pixels, "the picture");
     device::ChordPicture picture = begin(frame, look.clip);
-    const std::int32_t columns =
-        (frame.width + device::kSlabTileWidth - 1) / device::kSlabTileWidth;
-    const std::int32_t rows =
-        (frame.height + device::kSlabTileHeight - 1) / device::kSlabTileHeight;
-    picture.slabs.kind = kind;
     picture.slabs.count = slabs;
-    picture.slabs.light = light.data();
-    picture.slabs.tile_columns = columns;
-    picture.slabs.tiles = columns * rows;
+    picture.slabs.values = splat_values.data();
+    picture.slabs.channels = !by          ? device::kMaximumChannels
+                             : look.light ? device::kLitChannels
+                                          : device::kUnlitChannels;
+    if (by) picture.slabs.light = light;
+    picture.slabs.look = blinn_phong(look);
     picture.slabs.most_share = static_cast<float>(most_share_per_density(field) / model.unit);
     picture.slabs.least_share = static_cast<float>(kLeastDensityShare);
     picture.slabs.colors = result.data();
-    draw(picture, blinn_phong(look));
+    draw(picture);
 }
 
 const ScalarField& GpuPictures::State::slab_field(const std::string& field, int slabs) const {
@@ -283,7 +281,7 @@ VolumeImage GpuPictures::volume(const std::string& field, const ValueTransfer& t
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     image.pixel.assign(pixels, Rgba{0, 0, 0, 0});
     if (s.count == 0) return image;
-    s.draw_slabs(values, device::SlabKind::light, transfer, frame, slabs, look);
+    s.draw_slabs(values, &transfer, frame, slabs, look);
     const std::vector<float> colors = s.fetch(4 * pixels);
     for (std::size_t n = 0; n < pixels; ++n)
         image.pixel[n] = {colors[4 * n], colors[4 * n + 1], colors[4 * n + 2], colors[4 * n + 3]};
@@ -302,7 +300,7 @@ ValueMap GpuPictures::maximum(const std::string& field, const Camera& camera, in
     ValueMap map{width, height,
                  std::vector<float>(pixels, std::numeric_limits<float>::quiet_NaN())};
     if (s.count == 0) return map;
-    s.draw_slabs(values, device::SlabKind::maximum, std::nullopt, frame, slabs, look);
+    s.draw_slabs(values, nullptr, frame, slabs, look);
     const std::vector<float> shares = s.fetch(4 * pixels);
     for (std::size_t n = 0; n < pixels; ++n)
         if (shares[4 * n] >= 0) map.value[n] = value_of_share(values, double{shares[4 * n]});

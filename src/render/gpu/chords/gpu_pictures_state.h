@@ -27,13 +27,16 @@ struct GpuPictures::State {
     gpu::SplatPasses passes;
     gpu::GpuArray<float> shares, result;
     gpu::GpuArray<device::SplatDepth> depths;
-    gpu::GpuArray<std::uint32_t> ranges;
+    gpu::GpuArray<std::uint32_t> range;
     gpu::GpuArray<device::HalfSpace> planes;
     gpu::GpuArray<device::ScalarPlane> scalar;
     gpu::GpuArray<device::VectorPlane> vector;
-    gpu::GpuArray<device::SplatLight> light, lit;
-    std::optional<std::string> light_field;  ///< of which `light` is
-    std::optional<ValueTransfer> transfer;   ///< nothing: of a maximum
+    gpu::GpuArray<device::SplatValue> splat_values;
+    std::optional<std::string> values_field;  ///< whose `splat_values` are
+    gpu::GpuArray<device::LightPiece> pieces;
+    gpu::GpuArray<float> table;
+    device::MeanLight light{};                                      ///< of `pieces` and `table`
+    std::optional<std::pair<std::string, ValueTransfer>> light_of;  ///< field and transfer function
     gpu::GpuTimer timer;
 
     State(Renderer by, const Gaussians& of, trace::TraceModel packed_model)
@@ -47,18 +50,19 @@ struct GpuPictures::State {
                          gpu::lattice(size, &SumsSize::height));
     }
     device::ChordPicture begin(const CameraFrame& frame, const Clipping& clip);
-    void load_light(const ScalarField& field, const std::optional<ValueTransfer>& by);
+    void load_values(const ScalarField& field);
+    void load_light(const ScalarField& field, const ValueTransfer& transfer);
     /// Projects the model and draws; the result is [floats a pixel] in `result`.
-    void draw(device::ChordPicture picture, const device::BlinnPhong& look = {});
+    void draw(device::ChordPicture picture);
     /// Draws a model that is not empty; the result is column, or column, mean and deviation in the unit of the shown field.
     void draw_depth(const CameraFrame& frame, const Clipping& clip);
     void draw_fields(const ShownField& shown, const CameraFrame& frame, const Clipping& clip);
     ShownField shown(const FieldChoice& choice, const CameraFrame& frame) const {
         return shown_field(gaussians, choice, frame, std::sqrt(double{model.cutoff2}));
     }
-    void draw_slabs(const ScalarField& field, device::SlabKind kind,
-                    const std::optional<ValueTransfer>& by, const CameraFrame& frame, int slabs,
-                    const VolumeLook& look);
+    /// by  null: the maximum
+    void draw_slabs(const ScalarField& field, const ValueTransfer* by, const CameraFrame& frame,
+                    int slabs, const VolumeLook& look);
     /// The scalar field of a picture by value. throws vog::Error for slabs out of range, a field that the model lacks
     const ScalarField& slab_field(const std::string& field, int slabs) const;
     std::vector<float> fetch(std::size_t floats) const {

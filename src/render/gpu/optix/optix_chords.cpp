@@ -23,7 +23,7 @@ ChordTracer::~ChordTracer() = default;
 
 void ChordTracer::run(device::Launch launch) {
     launch.traversable = state_->hierarchy->handle();
-    (launch.chords.slabs.light ? state_->slabs : state_->sums).run(launch);
+    (launch.chords.slabs.values ? state_->slabs : state_->sums).run(launch);
 }
 
 }  // namespace vog::gpu

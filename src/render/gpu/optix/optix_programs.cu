@@ -36,15 +36,21 @@ __device__ Data& payload() {
     return *reinterpret_cast<Data*>(high << 32 | optixGetPayload_1());
 }
 
+/// Number of channels, known when compiled.
+template <int kCount>
+struct Channels {
+    constexpr __device__ operator int() const { return kCount; }
+};
+
 /// Data of a ray of a picture of chords. The Ray comes first: intersections read nothing else.
 struct ChordData {
     ChordRay chord;
     DepthSum tau, first, second;  ///< of a field
-    RaySlabs slabs;
+    SlabsOfRay of_ray;
     int32_t first_slab;  ///< of the sums
-    float (*sums)[4];    ///< [kSlabsPerTraversal] of slabs
+    float* sums;         ///< [kSlabsPerTraversal][channels] of slabs
 };
-/// Slabs that a ray adds up in one traversal, in its own memory: 512 bytes.
+/// Slabs that a ray adds up in one traversal, in its own memory: 896 bytes.
 constexpr int kSlabsPerTraversal = 32;
 
 /// data  payload, of which `ray` is the first member
@@ -114,11 +120,23 @@ __device__ void add_sums(ChordData& data, const ChordSums& sums) {
     add_signed(data.second, static_cast<double>(sums.second), launch.rounding);
 }
 
-/// Adds a chord's light to the slabs of the traversal.
-__device__ void add_light(ChordData& data, const SplatLight& light, const ChordLight& at,
-                          const Chord& chord) {
-    const SlabRun run = run_of(chord, data.slabs, data.first_slab, kSlabsPerTraversal);
-    add_parts(chord, light, at, data.slabs, data.first_slab, run.begin, run.end, data.sums);
+/// Adds a chord's moments to the slabs of the traversal.
+__device__ void add_moments(ChordData& data, const SplatValue& value, const ValueAlong& at,
+                            const Chord& chord) {
+    const RaySlabs& slabs = data.of_ray.slabs;
+    const SlabRun run = run_of(chord, slabs, data.first_slab, kSlabsPerTraversal);
+    const auto add = [&](auto channels) {
+        add_parts<channels>(chord, value, at, slabs, data.first_slab, run.begin, run.end,
+                            data.sums);
+    };
+    switch (launch.chords.slabs.channels) {
+        case kMaximumChannels:
+            return add(Channels<kMaximumChannels>());
+        case kUnlitChannels:
+            return add(Channels<kUnlitChannels>());
+        default:
+            return add(Channels<kLitChannels>());
+    }
 }
 
 /// Writes what a report asks for.
@@ -223,47 +241,41 @@ extern "C" __global__ void __anyhit__sums() {
     optixIgnoreIntersection();
 }
 
-/// Depth slabs: light is added to a slab in any order, so that no hit is kept, sorted or lost. Slabs beyond
+/// Depth slabs: moments are added to a slab in any order, so that no hit is kept, sorted or lost. Slabs beyond
 /// kSlabsPerTraversal take another traversal, unless all before are opaque.
 extern "C" __global__ void __raygen__slabs() {
     unsigned pixel;
     uint3 at;
-    float sums[kSlabsPerTraversal][4];
+    float sums[kSlabsPerTraversal * kLitChannels];
     ChordData data{};
     data.chord = chord_ray_of_thread(pixel, at);
     data.sums = sums;
     const SlabPicture& p = launch.chords.slabs;
-    data.slabs = ray_slabs(p, data.chord, static_cast<int32_t>(at.x), static_cast<int32_t>(at.y));
-    const bool maximum = p.kind == SlabKind::maximum;
-    SeenLight seen{{0, 0, 0}, 1};
-    LargestMean largest{0, -1};
-    for (int sweep = 0; sweep < (maximum ? 2 : 1); ++sweep)
-        for (int32_t group = 0; group < data.slabs.count; group += kSlabsPerTraversal) {
-            if (seen.passed < kDarkSlabs) break;
-            for (int n = 0; n < kSlabsPerTraversal; ++n)
-                for (int channel = 0; channel < 4; ++channel) sums[n][channel] = 0;
+    SlabsOfRay& of_ray = data.of_ray = slabs_of_ray(p, data.chord);
+    for (int sweep = 0; sweep < of_ray.sweeps(p); ++sweep)
+        for (int32_t group = 0; group < of_ray.slabs.count; group += kSlabsPerTraversal) {
+            if (of_ray.dark()) break;
+            for (float& sum : sums) sum = 0;
             data.first_slab = group;
             each_widened(data.chord, at, [&](uint32_t i, const Chord& chord) {
-                add_light(data, p.light[i], widened_light(launch.chords.within), chord);
+                add_moments(data, p.values[i],
+                            widened_value(p.values[i], launch.gaussians[i], launch.chords.within),
+                            chord);
             });
             if (data.chord.meets) trace(data, data.chord.ray, 0);
-            for (int n = 0; n < kSlabsPerTraversal; ++n) {
-                if (maximum)
-                    include(sums[n], p, data.slabs, data.chord.slant, sweep == 1, largest);
-                else
-                    composite(sums[n], seen);
-            }
+            for (int n = 0; n < kSlabsPerTraversal; ++n)
+                of_ray.add(p, sums + n * p.channels, sweep);
         }
-    write_color(p, pixel, seen, largest);
+    of_ray.write(p, pixel);
 }
 
 extern "C" __global__ void __anyhit__slabs() {
     ChordData& data = payload<ChordData>();
     Chord chord;
     if (reported_chord(data, chord)) {
-        const SplatLight light = launch.chords.slabs.light[optixGetPrimitiveIndex()];  // likewise
-        add_light(data, light, light_along(light, chord, to_float(data.chord.ray.direction)),
-                  chord);
+        const SplatValue value = launch.chords.slabs.values[optixGetPrimitiveIndex()];  // likewise
+        add_moments(data, value, value_along(value, chord, to_float(data.chord.ray.direction)),
+                    chord);
     }
     optixIgnoreIntersection();
 }

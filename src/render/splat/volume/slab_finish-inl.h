@@ -74,10 +74,10 @@ template <class V>
 struct PairLanes {
     V high, low, variance, of_high;  ///< means, the variance of both, the weight of `high`
 };
-/// by_value::normal_pair.
+/// device::normal_pair.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE PairLanes<V> normal_pair(D d, const MomentLanes<V>& m) {
-    using by_value::NormalPair;
+    using device::NormalPair;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const V zero = hn::Zero(d), one = set(1);
     const auto spread = hn::Gt(m.variance, set(NormalPair::kLeastVariance));
@@ -96,17 +96,17 @@ HWY_INLINE PairLanes<V> normal_pair(D d, const MomentLanes<V>& m) {
             hn::MulAdd(hn::Div(u, root), set(-0.5f), set(0.5f))};
 }
 
-/// Place in a row of MomentTable, and how much of the next column counts.
+/// Place in a row of MeanLight's table, and how much of the next column counts.
 template <class D>
-HWY_INLINE void set_columns(D d, const by_value::MomentTable& table, hn::Vec<D> mean,
+HWY_INLINE void set_columns(D d, const device::MeanLight& table, hn::Vec<D> mean,
                             std::int32_t* column, float* right) {
     const auto set = [&](float v) { return hn::Set(d, v); };
     const hn::RebindToSigned<D> di;
     using V = hn::Vec<D>;
     const V part = hn::Sub(hn::Min(hn::Max(mean, set(table.low)), set(table.high)), set(table.low));
     const V x = hn::Mul(hn::MulAdd(mean, set(table.per_range), hn::Mul(part, set(table.per_part))),
-                        set(by_value::MomentTable::kColumns - 1));
-    const auto at = hn::Min(hn::ConvertTo(di, x), hn::Set(di, by_value::MomentTable::kColumns - 2));
+                        set(device::MeanLight::kColumns - 1));
+    const auto at = hn::Min(hn::ConvertTo(di, x), hn::Set(di, device::MeanLight::kColumns - 2));
     hn::Store(at, di, column);
     hn::Store(hn::Sub(x, hn::ConvertTo(d, at)), d, right);
 }
@@ -114,9 +114,9 @@ HWY_INLINE void set_columns(D d, const by_value::MomentTable& table, hn::Vec<D> 
 /// Light of pairs, per unit of tau; of lanes that do not count, 0. Pixel by pixel: a pixel's four channels lie side by
 /// side in the table, and gathers of them took four times as long.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE LightLanes<V> mean_light(D d, const by_value::LightOfMoments& light,
-                                    const MomentLanes<V>& m, hn::Mask<D> counts) {
-    using Table = by_value::MomentTable;
+HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const MomentLanes<V>& m,
+                                    hn::Mask<D> counts) {
+    using Table = device::MeanLight;
     constexpr std::size_t kMost = TilePixels::kMaxLanes;
     const hn::RebindToSigned<D> di;
     const hn::CappedTag<float, 4> d4;
@@ -128,24 +128,23 @@ HWY_INLINE LightLanes<V> mean_light(D d, const by_value::LightOfMoments& light,
     alignas(8) std::uint8_t of_mask[8] = {};
     hn::StoreMaskBits(d, counts, of_mask);
     unsigned bits = of_mask[0] | of_mask[1] << 8u;
-    if (!light.resolved()) {
+    if (!light.table) {
         hn::Store(pair.high, d, right[0]);
         hn::Store(pair.low, d, right[1]);
         hn::Store(hn::Sqrt(pair.variance), d, down);
         for (; bits != 0; bits &= bits - 1) {
             const auto n = static_cast<std::size_t>(std::countr_zero(bits));
-            const auto high = light.exact(right[0][n], down[n]);
-            const auto low = light.exact(right[1][n], down[n]);
+            float high[4], low[4];
+            light.pieces.light(right[0][n], down[n], high);
+            light.pieces.light(right[1][n], down[n], low);
             for (std::size_t c = 0; c < 4; ++c)
                 out[4 * n + c] = low[c] + share[n] * (high[c] - low[c]);
         }
     } else {
-        const Table& table = light.table();
-        set_columns(d, table, pair.high, column[0], right[0]);
-        set_columns(d, table, pair.low, column[1], right[1]);
-        // MomentTable::row
-        constexpr float kFirst =
-            Table::kMostVariance / static_cast<float>(1u << (Table::kOctaves - 1));
+        set_columns(d, light, pair.high, column[0], right[0]);
+        set_columns(d, light, pair.low, column[1], right[1]);
+        // MeanLight::row
+        constexpr float kFirst = Table::kLeastVariance;
         const V first = set(kFirst), most = set(Table::kMostVariance);
         const V octaves = hn::Mul(
             hn::ConvertTo(
@@ -161,8 +160,8 @@ HWY_INLINE LightLanes<V> mean_light(D d, const by_value::LightOfMoments& light,
         for (; bits != 0; bits &= bits - 1) {
             const auto n = static_cast<std::size_t>(std::countr_zero(bits));
             const float* upper[2] = {
-                table.light[static_cast<std::size_t>(row[n] + column[0][n])].data(),
-                table.light[static_cast<std::size_t>(row[n] + column[1][n])].data()};
+                light.table + 4 * static_cast<std::ptrdiff_t>(row[n] + column[0][n]),
+                light.table + 4 * static_cast<std::ptrdiff_t>(row[n] + column[1][n])};
             for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
                 const auto at = [&](const float* p, float to_right) {
                     const auto across = hn::Set(d4, to_right);
@@ -252,11 +251,7 @@ HWY_INLINE V composite_part(D d, const SlabLight& of, const MomentLanes<V>& m, c
     return depth;
 }
 
-/// Steps of a slab that absorbs much, in which the moments go over to those of its neighbours: surfaces are found
-/// between means of slabs.
-constexpr int kSurfaceSteps = 6;
-/// Optical depth of a slab from which on it is divided into steps.
-constexpr float kSurfaceDepth = 0.2f;
+using device::kSurfaceDepth, device::kSurfaceSteps;
 
 /// A slab beside one that is divided.
 template <class V>

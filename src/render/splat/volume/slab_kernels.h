@@ -6,7 +6,7 @@
 // integral between u0 and u1 is
 //   tau = e^{-m²/2} / |W D| (G(u1) - G(u0)),   G(u) = integral from 0 to u of e^{-s²/2} ds
 // times the density, and |D|, which is left to the end. The field is linear along the ray: phi is its value in the
-// middle of the part, a share of its range. Channels of a slab are the sums of slab_moments.h:
+// middle of the part, a share of its range. Channels of a slab are the sums of device/value_moments.h:
 //   tau,  tau phi,  tau (phi² + r²),  tau (phi³ + 3 phi r² + third),  and for light tau g, g along right, down, forward
 #pragma once
 
@@ -25,9 +25,9 @@
 
 namespace vog::splat {
 
-/// Sums of a slab.
-enum SlabChannel { kTau, kFirst, kSecond, kThird, kGradient };
-inline constexpr int kUnlitChannels = kGradient, kLitChannels = kGradient + 3;
+using enum device::ValueChannel;
+using device::kDarkTransmittance, device::kLitChannels, device::kMaximumChannels,
+    device::kUnlitChannels;
 
 /// A field along the pixels of a FarSplat, as shares of its range. Depths are relative to that of the picture's SlabView.
 struct SlabSplat {
@@ -53,8 +53,6 @@ struct SlabPolynomials {
 SlabPolynomials fit_slab_polynomials(double cutoff, double tolerance = 1e-5);
 
 inline constexpr int kMostSlabs = 1024;
-/// Transmittance that hides everything behind.
-inline constexpr float kDarkTransmittance = 1e-6f;
 
 /// Pixels of a tile that are summed and composited at once: the slabs that a splat meets fit a core's first cache.
 /// Smoke under a ramp, 1024 x 1024: 60 ms; 8 x 4 pixels 93 ms, most of it loading coefficients of splats; 64 x 16 80 ms.
@@ -136,8 +134,8 @@ struct CellSplats {
 /// What makes light of the sums of a picture.
 struct SlabLight {
     const CameraFrame& frame;
-    const by_value::LightOfMoments& light;  ///< times SplatModel::unit
-    device::BlinnPhong look;                ///< its light along right, down, forward
+    device::MeanLight light;  ///< times SplatModel::unit
+    device::BlinnPhong look;  ///< its light along right, down, forward
 };
 
 /// The loops for one SIMD target.

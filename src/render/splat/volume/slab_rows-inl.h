@@ -165,7 +165,7 @@ HWY_INLINE void find_chords(D d, const Polynomials& polynomials, const SplatLane
 /// Adds the parts of a vector of pixels to the slabs they lie in.
 /// first_back  depth of the back of the first of the slabs
 /// sums        of the first pixel in it
-template <bool kLit, class Polynomials, class D, class V = hn::Vec<D>>
+template <int kChannels, class Polynomials, class D, class V = hn::Vec<D>>
 HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const ValueLanes<V>& of,
                           const ChordLanes<V>& chord, float first_back, float slab_depth, int slabs,
                           float* sums) {
@@ -181,15 +181,17 @@ HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const ValueLanes<
         const V tau = hn::Mul(chord.peak, hn::Sub(after, before));
         // In the middle of the part.
         const V phi = hn::MulAdd(chord.half_slope, hn::Add(from, to), chord.phi);
-        const V square = hn::Mul(phi, phi);
         hn::Store(hn::Add(tau, hn::Load(d, sums)), d, sums);
         add(kFirst, tau, phi);
-        add(kSecond, tau, hn::Add(square, of.variance));
-        add(kThird, tau, hn::MulAdd(hn::Add(square, of.variance3), phi, of.third));
-        if constexpr (kLit)
+        if constexpr (kChannels >= kUnlitChannels) {
+            const V square = hn::Mul(phi, phi);
+            add(kSecond, tau, hn::Add(square, of.variance));
+            add(kThird, tau, hn::MulAdd(hn::Add(square, of.variance3), phi, of.third));
+        }
+        if constexpr (kChannels == kLitChannels)
             for (int n = 0; n < 3; ++n) add(kGradient + n, tau, of.gradient[n]);
         from = to, before = after;
-        sums += (kLit ? kLitChannels : kUnlitChannels) * kCellPixels;
+        sums += kChannels * kCellPixels;
     };
     for (int slab = 1; slab < slabs; ++slab) {
         const V to = hn::Min(hn::Max(back, chord.lowest), chord.highest);
@@ -200,7 +202,7 @@ HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const ValueLanes<
     add_part(chord.highest, chord.end);
 }
 
-template <bool kParallel, bool kClipped, bool kLit, class Polynomials, class D>
+template <bool kParallel, bool kClipped, int kChannels, class Polynomials, class D>
 HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& field, const CellSplat& slabs,
                           const Polynomials& polynomials, SlabCell& cell) {
     using V = hn::Vec<D>;
@@ -250,13 +252,13 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& field, const 
             cell.depths.first + static_cast<float>(first + 1) * cell.depths.thickness;
         float* sums = cell.slab(first)->pixel.data();
         for (std::size_t n = 0; n < count; ++n)
-            add_parts<kLit>(d, polynomials, values, chords[n], first_back, cell.depths.thickness,
-                            last - first + 1, sums + rows[n]);
+            add_parts<kChannels>(d, polynomials, values, chords[n], first_back,
+                                 cell.depths.thickness, last - first + 1, sums + rows[n]);
     }
 }
 
 /// Calls body(add) with a loop over splats for the frame and the polynomials.
-template <bool kParallel, bool kLit, int kPart, int kPeak, class Tags, class Body>
+template <bool kParallel, int kChannels, int kPart, int kPeak, class Tags, class Body>
 void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
     const typename Tags::Floats d;
     using V = hn::Vec<typename Tags::Floats>;
@@ -269,30 +271,36 @@ void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
     body([&](const CellRun& run, std::size_t count) {
         for (std::size_t n = 0; n < count; ++n) {
             const CellSplat& at = run.splats[n];
-            add_splat<kParallel, kClipped, kLit>(d, run.far[at.splat], run.fields[at.splat], at,
-                                                 lanes, cell);
+            add_splat<kParallel, kClipped, kChannels>(d, run.far[at.splat], run.fields[at.splat],
+                                                      at, lanes, cell);
         }
     });
 }
-template <bool kParallel, bool kLit, class Tags, class Body>
-void with_channels(const CellSplats& splats, SlabCell& cell, const Body& body) {
+template <bool kParallel, int kChannels, class Tags, class Body>
+void with_clip(const CellSplats& splats, SlabCell& cell, const Body& body) {
     // The degrees of the default cutoff are unrolled, without a clip.
     constexpr int kPart = 5, kPeak = 6;
     const SlabPolynomials& polynomials = splats.polynomials;
     const bool usual = !cell.clipped && polynomials.part.coefficient.size() == kPart + 1 &&
                        polynomials.peak.coefficient.size() == kPeak + 1;
-    usual ? with_degrees<kParallel, kLit, kPart, kPeak, Tags>(splats, cell, body)
-          : with_degrees<kParallel, kLit, -1, -1, Tags>(splats, cell, body);
+    usual ? with_degrees<kParallel, kChannels, kPart, kPeak, Tags>(splats, cell, body)
+          : with_degrees<kParallel, kChannels, -1, -1, Tags>(splats, cell, body);
+}
+template <bool kParallel, class Tags, class Body>
+void with_channels(const CellSplats& splats, SlabCell& cell, const Body& body) {
+    switch (cell.channels) {
+        case kMaximumChannels:
+            return with_clip<kParallel, kMaximumChannels, Tags>(splats, cell, body);
+        case kUnlitChannels:
+            return with_clip<kParallel, kUnlitChannels, Tags>(splats, cell, body);
+        default:
+            return with_clip<kParallel, kLitChannels, Tags>(splats, cell, body);
+    }
 }
 template <class Tags, class Body>
 void with_splats(const CellSplats& splats, SlabCell& cell, const Body& body) {
-    const bool lit = cell.channels == kLitChannels;
-    if (splats.frame.orthographic)
-        lit ? with_channels<true, true, Tags>(splats, cell, body)
-            : with_channels<true, false, Tags>(splats, cell, body);
-    else
-        lit ? with_channels<false, true, Tags>(splats, cell, body)
-            : with_channels<false, false, Tags>(splats, cell, body);
+    splats.frame.orthographic ? with_channels<true, Tags>(splats, cell, body)
+                              : with_channels<false, Tags>(splats, cell, body);
 }
 
 template <class Tags>

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "render/by_value/value_light.h"
+#include "render/by_value/slab_moments.h"
 #include "render/splat/fields/projected_mean.h"
 
 namespace vog::splat {

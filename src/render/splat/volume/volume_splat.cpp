@@ -8,7 +8,8 @@
 #include <limits>
 #include <optional>
 
-#include "render/by_value/value_light.h"
+#include "render/by_value/lighting.h"
+#include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_limits.h"
 #include "render/splat/volume/slab_exchange.h"
@@ -47,7 +48,8 @@ struct SlabModel {
     std::deque<SlabBatch> batches;
     tbb::enumerable_thread_specific<SlabBuffers> buffers;
 
-    SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options);
+    SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options,
+              int channels);
     SlabModel(const SlabModel&) = delete;
     SlabModel& operator=(const SlabModel&) = delete;
 
@@ -57,7 +59,8 @@ struct SlabModel {
     double length() const { return std::max(view_box(*gaussians).radius(), 1e-300); }
 };
 
-SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options)
+SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options,
+                     int channels)
     : gaussians(&of),
       field(&of_model),
       look(options.look),
@@ -76,12 +79,11 @@ SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const Sla
     polynomials = fit_slab_polynomials(double{model.cutoff});
     kernels =
         options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
-    buffers =
-        tbb::enumerable_thread_specific<SlabBuffers>([count = options.slabs, lit = look.light] {
-            SlabBuffers made;
-            made.cell.resize(count, lit ? kLitChannels : kUnlitChannels);
-            return made;
-        });
+    buffers = tbb::enumerable_thread_specific<SlabBuffers>([count = options.slabs, channels] {
+        SlabBuffers made;
+        made.cell.resize(count, channels);
+        return made;
+    });
 }
 
 void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
@@ -114,7 +116,9 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
     if (processes) depths = joint_depths(depths, *processes);
     if (!depths.empty()) drawn.depths = slab_depths(depths, slabs);
     std::optional<SlabLight> finish;
-    if (light) drawn.light = &finish.emplace(SlabLight{frame, *light, along_view(look, frame)});
+    if (light)
+        drawn.light =
+            &finish.emplace(SlabLight{frame, light->mean_light(), along_view(look, frame)});
     drawn.most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
                                           double{drawn.depths.thickness});
     if (processes) return draw_parts(drawn, buffers, *processes, picture.pixel.data());
@@ -135,7 +139,8 @@ struct SlabRenderer::State {
 
 SlabRenderer::SlabRenderer(const Gaussians& gaussians, const std::string& field,
                            const ValueTransfer& transfer, const SlabOptions& options)
-    : state_(new State{SlabModel(gaussians, volume_field(gaussians, field), options)}) {
+    : state_(new State{SlabModel(gaussians, volume_field(gaussians, field), options,
+                                 options.look.light ? kLitChannels : kUnlitChannels)}) {
     set_transfer(transfer);
 }
 SlabRenderer::~SlabRenderer() = default;
@@ -168,9 +173,7 @@ VolumeImage render_volume_splat(const Gaussians& gaussians, const std::string& f
 ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& field,
                               const Camera& camera, int width, int height,
                               const SlabOptions& options) {
-    SlabOptions unlit = options;
-    unlit.look.light = false;
-    SlabModel slabs(gaussians, volume_field(gaussians, field), unlit);
+    SlabModel slabs(gaussians, volume_field(gaussians, field), options, kMaximumChannels);
     VolumeImage shares;
     slabs.draw(nullptr, camera, width, height, shares);
     ValueMap map{width, height, std::vector<float>(shares.pixel.size())};

@@ -4,7 +4,7 @@ import { add, dot, length, mul, sub } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats } from '../model/fields.js';
-import { expectedLight } from './transfer.js';
+import { below, extinctionIn, lightOf } from './transfer.js';
 import { kept } from './clip.js';
 
 const opaque = 0.5, coarse = 512, fine = 64;  // steps along the ray, then in the one that passes
@@ -18,14 +18,6 @@ export function rayOf(camera, [column, row], width, height) {
   const along = add(forward, aside);
   return { origin: camera.eye, direction: mul(1 / length(along), along) };
 }
-
-/** Error function: Abramowitz and Stegun 7.1.26, of absolute error below 1.5e-7. */
-function erf(x) {
-  const t = 1 / (1 + 0.3275911 * Math.abs(x));
-  const sum = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
-  return Math.sign(x) * (1 - sum * Math.exp(-x * x));
-}
-const below = (u) => 0.5 * (1 + erf(u * Math.SQRT1_2));
 
 /**
  * Adds Gaussians on a ray, by their normal distributions along it: {at, deviation, start, end, mass, value, rate, rest},
@@ -61,34 +53,21 @@ function addHits(hits, model, { instances, data, first, count }, ray, [near, far
   }
 }
 
-/** Expected extinction for the measure 1, of a value and a deviation in the page's units: of transfer.js's expectedLight. */
-export function extinctionIn({ data, columns, rows, part: [low, high, perRange, perPart], most }) {
-  const clamp = (v, a, b) => Math.min(Math.max(v, a), b);
-  return (value, deviation) => {
-    const v = clamp(value, -1, 1);
-    const x = clamp((v + 1) * perRange + (clamp(v, low, high) - low) * perPart, 0, 1) * (columns - 1);
-    const y = clamp(Math.cbrt(deviation), 0, 1) * (rows - 1);
-    const c = Math.min(Math.floor(x), columns - 2), r = Math.min(Math.floor(y), rows - 2);
-    const at = (row, column) => data[4 * (row * columns + column) + 3];
-    const across = (row) => at(row, c) + (x - c) * (at(row, c + 1) - at(row, c));
-    return most * (across(r) + (y - r) * (across(r + 1) - across(r)));
-  };
-}
-
-/** Optical depths of equal steps between two depths. */
+/** Optical depths of equal steps between two depths: moments of each step, then the extinction of these. */
 function depthsOf(hits, extinction, from, to, steps) {
-  const out = new Float64Array(steps), step = (to - from) / steps;
+  const sums = Array.from({ length: steps }, () => [0, 0, 0]), step = (to - from) / steps;
   for (const hit of hits) {
     const [start, end] = [Math.max(hit.start, from), Math.min(hit.end, to)];
     if (!(start < end)) continue;
     let before = below((start - hit.at) / hit.deviation), left = start;
     for (let n = Math.floor((start - from) / step); n < steps && left < end; ++n) {
       const right = Math.min(from + (n + 1) * step, end), after = below((right - hit.at) / hit.deviation);
-      out[n] += hit.mass * (after - before) * extinction(hit.value + 0.5 * (left + right) * hit.rate, hit.rest);
+      const part = hit.mass * (after - before), value = hit.value + 0.5 * (left + right) * hit.rate;
+      sums[n][0] += part, sums[n][1] += part * value, sums[n][2] += part * (value ** 2 + hit.rest ** 2);
       [before, left] = [after, right];
     }
   }
-  return out;
+  return sums.map(([part, first, second]) => part > 0 && part * extinction(first / part, Math.sqrt(Math.max(second / part - (first / part) ** 2, 0))));
 }
 
 /** Mean of the field at a depth, by the measure. */
@@ -111,7 +90,7 @@ export class Probe {
    * returns {opacity: of the whole ray, value, depth: from the eye in world units; null: nothing is opaque}
    */
   probe(parts, model, ray, { transfer, source, clip }) {
-    if (this.of !== transfer) [this.of, this.extinction] = [transfer, extinctionIn(expectedLight(transfer, source))];
+    if (this.of !== transfer) [this.of, this.extinction] = [transfer, extinctionIn(lightOf(transfer, source))];
     const hits = [];
     for (const part of parts) addHits(hits, model, part, ray, kept(ray, clip));
     if (hits.length === 0) return { opacity: 0, value: null, depth: null };

@@ -145,13 +145,13 @@ export class Renderer {
   }
 
   /** Attributes [place, count, offset] of a buffer, one set an instance, in the bound array. */
-  attributes(buffer, floats, places, divisor = 1) {
+  attributes(buffer, floats, places) {
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     for (const [place, count, offset] of places) {
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, count, gl.FLOAT, false, 4 * floats, 4 * offset);
-      gl.vertexAttribDivisor(place, divisor);
+      gl.vertexAttribDivisor(place, 1);
     }
   }
 
@@ -162,8 +162,7 @@ export class Renderer {
     return buffer;
   }
 
-  // Gaussians in the GPU's memory, a model, level or chunk: {count, buffer, fields: Map of places to {buffer, vector, light: of
-  // slabs.js}, arrays}. Pictures are of lists of parts of such, [{gpu, first, count}].
+  // Gaussians in the GPU's memory, a model, level or chunk: {count, buffer, fields: Map of places to {buffer, vector}, arrays}. Pictures are of lists of parts of such, [{gpu, first, count}].
 
   /** Copies instances to the GPU. */
   upload(instances) {
@@ -172,7 +171,7 @@ export class Renderer {
 
   /** Copies a field of uploaded instances to the GPU; `field` is its place among the model's. */
   uploadField(gpu, field, data, vector) {
-    gpu.fields.set(field, { buffer: this.filled(data), vector, light: null });
+    gpu.fields.set(field, { buffer: this.filled(data), vector });
   }
 
   /** Vertex array `key`, made when first asked for. */
@@ -205,22 +204,8 @@ export class Renderer {
     });
   }
 
-  /** Points of a scalar field, one a Gaussian: light.vert. */
-  pointsOf(gpu, field) {
-    return this.arrayOf(gpu, `${field}.points`, () =>
-      this.attributes(gpu.fields.get(field).buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]], 0));
-  }
-
-  /** Frees the light that slabs.js has made for a field. */
-  releaseLight(field) {
-    for (const texture of field.light?.textures ?? []) this.gl.deleteTexture(texture);
-    field.light = null;
-  }
-
   releaseField(gpu, place) {
-    const field = gpu.fields.get(place);
-    this.releaseLight(field);
-    this.gl.deleteBuffer(field.buffer);
+    this.gl.deleteBuffer(gpu.fields.get(place).buffer);
     gpu.fields.delete(place);
     for (const [key, array] of gpu.arrays) {
       if (!key.startsWith(`${place}.`)) continue;
@@ -324,7 +309,7 @@ export class Renderer {
     }
     if (parts.length > 0) {
       const used = exact
-        ? this.program('splat.vert', ['chord.glsl', 'field.frag'], what.part === 'view' || what.part === 'magnitude' ? 'VECTOR' : 'SCALAR')
+        ? this.program('splat.vert', ['erf.glsl', 'chord.glsl', 'field.frag'], what.part === 'view' || what.part === 'magnitude' ? 'VECTOR' : 'SCALAR')
         : this.program('splat.vert', ['splat.frag']);
       this.setView(used, model, camera, what.clip);
       if (exact) used.setInteger('magnitude', what.part === 'magnitude' ? 1 : 0);

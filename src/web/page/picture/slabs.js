@@ -1,28 +1,33 @@
-// slabs.js: volume rendering by value: light added up in depth slabs, four a pass, and composited front to back
-// (docs/volume_rendering.md); maxima of a field, eight slabs a pass. Nothing is sorted. Slabs are of equal depth over the range of each tile of the picture,
-// as in src/render/splat/volume.
+// slabs.js: volume rendering by value: moments of a field added up in depth slabs, four a pass (with light two), classified and composited
+// front to back (docs/volume_rendering.md); maxima of a field, eight slabs a pass. Nothing is sorted. Slabs are of equal depth over the
+// range of the picture, as in src/render/splat/volume.
 import { dot, normalized } from '../vectors.js';
 import { axesOf } from '../camera.js';
-import { expectedLight } from './transfer.js';
+import { lightOf } from './transfer.js';
 
-const tile = [64, 32];          // pixels: kTileWidth, kTileHeight
-const lightWidth = 1024;        // Gaussians a row: light.vert
+const tableSize = [1024, 21];   // MeanLight of render/device/expected_light.h
+const pieceColumns = 1024;      // expected.glsl
 const layers = 4;               // images that every device draws into at once
-const slabsOf = { SLABS: 4, MEANS: 8 };  // a pass, by the word of slab.frag
+const slabsOf = { SLABS: 4, LIT: 2, MEANS: 8 };  // a pass, by the word of slab.frag
 const leastShare = 1e-3;        // kLeastDensityShare of render/by_value/volume_image.h
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
+const finishShaders = ['erf.glsl', 'expected.glsl', 'finish.frag'], tableShaders = ['erf.glsl', 'expected.glsl', 'table.frag'];
 
 export class Slabs {
   constructor(renderer) {
     this.renderer = renderer;
-    const { gl } = renderer, texture = () => renderer.texture();
-    this.tabled = texture();
-    this.layers = Array.from({ length: layers }, texture);
+    const { gl } = renderer, texture = () => renderer.texture(), images = () => Array.from({ length: layers }, texture);
+    this.pieces = texture();
+    this.table = texture();
+    this.layers = images();
+    this.before = images();
     this.ranges = texture();
     this.strip = texture();
     this.densest = texture();
-    this.into = { light: gl.createFramebuffer(), layers: gl.createFramebuffer(), ranges: gl.createFramebuffer(), strip: gl.createFramebuffer(), densest: gl.createFramebuffer() };
-    this.table = null;    // {of: what the texture has, part, most}
+    this.into = Object.fromEntries(['table', 'layers', 'ranges', 'strip', 'densest'].map((name) => [name, gl.createFramebuffer()]));
+    renderer.allocate(this.table, 4, ...tableSize);
+    renderer.allocate(this.ranges, 2, 1, 1);
+    this.light = null;    // {of: what the table has, ...lightOf()}
     this.allocated = '';  // size of the images
   }
 
@@ -32,56 +37,29 @@ export class Slabs {
     if (this.allocated === key) return;
     this.allocated = key;
     const { renderer } = this;
-    for (const texture of [...this.layers, this.strip]) renderer.allocate(texture, 4, width, rows);
+    for (const texture of [...this.layers, ...this.before, this.strip]) renderer.allocate(texture, 4, width, rows);
     renderer.allocate(this.densest, 1, width, rows);
-    renderer.allocate(this.ranges, 2, Math.ceil(width / tile[0]), Math.ceil(height / tile[1]));
   }
 
-  /** Table of the expected light of a transfer function; null: none, for the planes of maxima. */
-  setTable(transfer, { reference, unit, isMeasure }) {
+  /** Pieces and table of the mean light of a transfer function. */
+  setLight(transfer, { reference, unit, isMeasure }) {
     const of = [transfer, reference, unit, isMeasure];
-    if (this.table?.of.every((part, n) => part === of[n])) return;
-    const { gl } = this.renderer;
-    const { data, columns, rows, part, most } = transfer ? expectedLight(transfer, { reference, unit, isMeasure })
-      : { columns: 0, part: [0, 0, 0, 0], most: 1 };
-    gl.bindTexture(gl.TEXTURE_2D, this.tabled);
-    if (columns) gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, data);
-    this.table = { of, part, most };
-  }
-
-  /** Quadratics of the expected light of all Gaussians of an upload; without a transfer function their planes. */
-  fit(gpu, place) {
-    const { renderer } = this, { gl } = renderer, field = gpu.fields.get(place);
-    if (field.light?.of === this.table) return;
-    const width = lightWidth, height = Math.max(1, Math.ceil(gpu.count / width));
-    if (!field.light) {
-      field.light = { textures: [0, 1, 2].map(() => renderer.texture()) };
-      for (const texture of field.light.textures) renderer.allocate(texture, 4, width, height);
-    }
-    field.light.of = this.table;
-    renderer.target(this.into.light, field.light.textures);
-    gl.viewport(0, 0, width, height);
-    const used = renderer.program('light.vert', ['light.frag']);
+    if (this.light?.of.every((part, n) => part === of[n])) return;
+    const { renderer } = this, { gl } = renderer, light = lightOf(transfer, { reference, unit, isMeasure });
+    const rows = Math.ceil(light.pieces.length / pieceColumns), data = new Float32Array(12 * rows * pieceColumns);
+    light.pieces.forEach(([start, end, first, last], n) => [[start, end], first, last].forEach((four, k) =>
+      data.set(four, 4 * ((3 * Math.floor(n / pieceColumns) + k) * pieceColumns + (n % pieceColumns)))));
+    gl.bindTexture(gl.TEXTURE_2D, this.pieces);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, pieceColumns, 3 * rows, 0, gl.RGBA, gl.FLOAT, data);
+    this.light = { ...light, of };
+    const used = renderer.program('screen.vert', tableShaders);
+    renderer.target(this.into.table, [this.table]);
+    gl.viewport(0, 0, ...tableSize);
     used.use();
-    renderer.sample(used, { table: this.tabled });
-    used.set('part', ...this.table.part);
-    used.setInteger('planes', this.table.of[0] ? 0 : 1);
-    used.set('image_px', width, height);
-    gl.bindVertexArray(renderer.pointsOf(gpu, place));
-    gl.drawArrays(gl.POINTS, 0, gpu.count);
-    gl.bindVertexArray(null);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  }
-
-  /** Draws parts with their light: `used` is in use, with all else set. */
-  drawLit(used, parts, place, textures, field, equation) {
-    const { renderer } = this;
-    for (const one of parts) {
-      const [light_0, light_1, light_2] = one.gpu.fields.get(place).light.textures;
-      renderer.sample(used, { ...textures, light_0, light_1, light_2 });
-      used.setInteger('first_instance', one.first);
-      renderer.draw(renderer.instancesOf(one, field, ''), one.count, equation);
-    }
+    renderer.sample(used, { pieces: this.pieces });
+    used.setInteger('piece_count', light.pieces.length);
+    used.set('columns', ...light.columns);
+    renderer.screenPass();
   }
 
   /**
@@ -100,45 +78,38 @@ export class Slabs {
       gl.clear(gl.COLOR_BUFFER_BIT);
     }
     if (parts.length > 0) {
-      this.setTable(what.transfer, what.source);
-      for (const { gpu } of parts) this.fit(gpu, what.field);
-      this.drawRanges(parts, model, camera, what.field);
+      if (what.transfer) this.setLight(what.transfer, what.source);
+      this.drawRange(parts, model, camera);
       for (let first = 0; first < height; first += rows) this.drawStrip(parts, model, camera, what, first);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     ++renderer.subframes;
   }
 
-  drawRanges(parts, model, camera, field) {
+  drawRange(parts, model, camera) {
     const { renderer } = this, { gl } = renderer;
     renderer.target(this.into.ranges, [this.ranges]);
-    gl.viewport(0, 0, Math.ceil(renderer.width / tile[0]), Math.ceil(renderer.height / tile[1]));
+    gl.viewport(0, 0, 1, 1);
     gl.clearBufferfv(gl.COLOR, 0, [-60000, -60000, 0, 0]);  // finite in half floats, too
-    const used = renderer.program('splat.vert', ['ranges.frag'], 'RANGES');
-    renderer.setView(used, model, camera, null);
-    used.set('tile_px', ...tile);
-    this.drawLit(used, parts, field, {}, null, gl.MAX);
+    renderer.setView(renderer.program('splat.vert', ['ranges.frag'], 'RANGES'), model, camera, null);
+    for (const one of parts) renderer.draw(renderer.instancesOf(one, null, ''), one.count, gl.MAX);
   }
 
   /** Adds all Gaussians to some slabs of a strip. */
-  drawLayers(parts, model, camera, what, first, slab) {
-    const { renderer } = this, { gl } = renderer, { width, height } = renderer, word = what.transfer ? 'SLABS' : 'MEANS';
-    const used = renderer.program('splat.vert', ['chord.glsl', 'slab.frag'], word);
-    const { right, up, forward } = axesOf(camera), towards = what.light.towards;
+  drawLayers(parts, model, camera, what, word, first, slab) {
+    const { renderer } = this, { gl } = renderer, { width, height } = renderer;
     renderer.target(this.into.layers, this.layers);
     gl.viewport(0, -first, width, height);
     gl.clear(gl.COLOR_BUFFER_BIT);
+    if (slab >= what.slabs) return;
+    const used = renderer.program('splat.vert', ['erf.glsl', 'chord.glsl', 'slab.frag'], word);
     renderer.setView(used, model, camera, what.clip);
-    used.set('tile_px', ...tile);
+    renderer.sample(used, { ranges: this.ranges });
     used.set('slabs', what.slabs);
     used.set('first_slab', slab);
     used.set('layers', slabsOf[word]);
     used.set('first_row', first);
-    used.set('per_extinction', what.transfer ? this.table.most / model.extinction : 1);
-    used.set('lighting', ...(what.transfer && what.light.on ? what.light.weights : [0, 0, 0, 0]));
-    const light = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
-    used.set('towards_light', dot(light, right), dot(light, up), dot(light, forward));
-    this.drawLit(used, parts, what.field, { ranges: this.ranges }, what.field, gl.FUNC_ADD);
+    for (const one of parts) renderer.draw(renderer.instancesOf(one, what.field, ''), one.count);
   }
 
   /** Blends a pass over the layers into an image. */
@@ -160,13 +131,17 @@ export class Slabs {
     renderer.target(this.into.strip, [this.strip]);
     gl.clear(gl.COLOR_BUFFER_BIT);
     if (what.transfer) {
-      const behind = renderer.program('screen.vert', ['layers.frag']);
-      behind.use();
-      renderer.setScreen(behind, model, camera);
-      behind.set('first_row', first);
-      for (let slab = 0; slab < what.slabs; slab += slabsOf.SLABS) {
-        this.drawLayers(parts, model, camera, what, first, slab);
-        this.gather('strip', behind, {}, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);  // under what is in front
+      const word = what.light.on ? 'LIT' : 'SLABS', finish = renderer.program('screen.vert', finishShaders, word);
+      this.setFinish(finish, model, camera, what, first);
+      renderer.target(this.into.layers, this.layers);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      // The last slab is composited with what is behind it, nothing.
+      for (let slab = 0; slab <= what.slabs; slab += slabsOf[word]) {
+        [this.layers, this.before] = [this.before, this.layers];
+        const [before_0, before_1, before_2, before_3] = this.before, { table, pieces } = this;
+        this.drawLayers(parts, model, camera, what, word, first, slab);
+        // Under what is in front.
+        this.gather('strip', finish, { before_0, before_1, before_2, before_3, table, pieces }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
       }
     } else {
       this.drawMaximum(parts, model, camera, what, first);
@@ -174,10 +149,24 @@ export class Slabs {
     this.copyStrip(first, what.transfer ? '' : 'MEANS');
   }
 
+  setFinish(used, model, camera, what, first) {
+    const { right, up, forward } = axesOf(camera), { towards, on, weights } = what.light, { light, renderer } = this;
+    used.use();
+    renderer.setScreen(used, model, camera);
+    used.set('first_row', first);
+    used.setInteger('piece_count', light.pieces.length);
+    used.setInteger('exact', light.exact ? 1 : 0);
+    used.set('columns', ...light.columns);
+    used.set('unit', light.most / model.extinction);
+    used.set('rounding', renderer.format.bits === 32 ? 4e-7 : 1e-3);
+    used.set('lighting', ...(on ? weights : [0, 0, 0, 0]));
+    const to = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
+    used.set('towards_light', dot(to, right), dot(to, up), dot(to, forward));
+  }
+
   /** The largest density of each pixel's slabs, then the largest of the means that count. */
   drawMaximum(parts, model, camera, what, first) {
     const { renderer } = this, { gl } = renderer, { unit, isMeasure } = what.source;
-    gl.clearBufferfv(gl.COLOR, 0, [0, -60000, 0, 0]);
     renderer.target(this.into.densest, [this.densest]);
     gl.clear(gl.COLOR_BUFFER_BIT);
     const used = renderer.program('screen.vert', ['largest.frag']);
@@ -185,13 +174,11 @@ export class Slabs {
       used.use();
       used.setInteger('of_means', means);
       used.set('least_share', leastShare);
-      // A density's mean is at most three times the density (most_share_per_density); the range is -1 to 1.
-      used.set('most', isMeasure ? 3 / unit / model.unit / model.extinction : 0);
-      used.set('tile_px', ...tile);
+      // A density's mean is at most three times the density (most_share_per_density).
+      used.set('most', isMeasure ? 1.5 / unit / model.unit / model.extinction : 0);
       used.set('slabs', what.slabs);
-      used.set('first_row', first);
       for (let slab = 0; slab < what.slabs; slab += slabsOf.MEANS) {
-        this.drawLayers(parts, model, camera, what, first, slab);
+        this.drawLayers(parts, model, camera, what, 'MEANS', first, slab);
         this.gather(means ? 'strip' : 'densest', used, { ranges: this.ranges, densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
       }
     }

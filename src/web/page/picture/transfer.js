@@ -1,108 +1,102 @@
 // transfer.js: transfer functions of values, {colors: [[value, r, g, b], ...], opacity: [[value, opacity], ...],
-// unit: unit distance}, and the light they give: as vog/value_transfer.h and render/by_value/value_light.cpp.
+// unit: unit distance}, and the light they give: as vog/value_transfer.h and render/by_value/light_of_moments.cpp.
 import { walker } from './colors.js';
 
-const columns = 512, rows = 24, cells = 4096;
+const columns = 1024;     // of the table of finish.frag
 export const mostOpacity = 0.9999;
 const leastShare = 1e-3;  // of the range, below which a measure counts as this share
 
-/** Edges, in deviations, and masses of bins of a normal distribution. */
-const bins = (() => {
-  const count = 24, steps = 64, width = 6 / count;
-  const density = (z) => Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI);
-  const edges = Array.from({ length: count + 1 }, (_, n) => -3 + width * n);
-  const masses = edges.slice(0, count).map((from) => {
-    let sum = 0;  // Simpson's rule
-    for (let k = 0; k <= steps; ++k)
-      sum += (k === 0 || k === steps ? 1 : k % 2 ? 4 : 2) * density(from + (width * k) / steps);
-    return (sum * width) / (3 * steps);
-  });
-  return { edges, masses, width };
-})();
-
 export const extinctionOf = (opacity, unit) => -Math.log1p(-Math.max(0, Math.min(mostOpacity, opacity))) / unit;
 
-/**
- * Expected light of normal distributions, by mean and deviation.
- * source   {reference, unit, isMeasure}: the data's range is reference ± unit
- * returns  {data: [rows][columns][4], columns, rows, part: uniform of light.vert, most: factor of data}
- */
-export function expectedLight(transfer, source) {
-  const own = (value) => (value - source.reference) / source.unit;
-  const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
-  const { colors, opacity } = transfer;
-  let low = Math.max(-1, Math.min(own(colors[0][0]), own(opacity[0][0])));
-  let high = Math.min(1, Math.max(own(colors.at(-1)[0]), own(opacity.at(-1)[0])));
-  if (!(high - low > 2e-6)) [low, high] = [-1, 1];
-  const margin = 0.05 * (high - low);
-  low = Math.max(-1, low - margin);
-  high = Math.min(1, high + margin);
-  const perRange = 0.25, perPart = 0.5 / (high - low);
-  const position = (v) => (v + 1) * perRange + (clamp(v, low, high) - low) * perPart;
-  const atLow = position(low), atHigh = position(high);
-  const valueAt = (p) => {
-    if (p <= atLow) return -1 + 4 * p;
-    if (p >= atHigh) return 1 - 4 * (1 - p);
-    return low + ((high - low) * (p - atLow)) / (atHigh - atLow);
-  };
+const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
+const mix = (a, b, share) => a.map((from, c) => from + share * (b[c] - from));
 
-  const least = leastShare * Math.max(Math.abs(source.reference - source.unit), Math.abs(source.reference + source.unit));
-  const integral = new Float64Array(4 * (cells + 1));
-  const colorAt = walker(colors), opacityAt = walker(opacity);
-  for (let n = 0; n < cells; ++n) {
-    const from = valueAt(n / cells), to = valueAt((n + 1) / cells);
-    const value = source.reference + source.unit * 0.5 * (from + to);
-    let s = extinctionOf(opacityAt(value)[1], transfer.unit) * (to - from);
-    if (source.isMeasure) s = value > 0 ? s / Math.max(value, least) : 0;
-    const [, r, g, b] = colorAt(value);
-    [r * s, g * s, b * s, s].forEach((light, c) => { integral[4 * n + 4 + c] = integral[4 * n + c] + light; });
-  }
-  const integralAt = (v, out) => {
-    const at = clamp(position(v), 0, 1) * cells, cell = Math.min(Math.floor(at), cells - 1), share = at - cell;
-    for (let c = 0; c < 4; ++c)
-      out[c] = integral[4 * cell + c] + share * (integral[4 * cell + 4 + c] - integral[4 * cell + c]);
-  };
+/** Appends pieces [start, end, light, light] of a function, each linear to a 500th of the light. */
+function divide(pieces, light, from, first, to, last, depth = 0) {
+  const middle = 0.5 * (from + to), at = light(middle), off = mix(first, last, 0.5).map((v, c) => Math.abs(v - at[c]));
+  if (!(Math.max(...off) > 2e-3 * Math.max(...at)) || depth === 9) return void pieces.push([from, to, first, last]);
+  divide(pieces, light, from, first, middle, at, depth + 1);
+  divide(pieces, light, middle, at, to, last, depth + 1);
+}
 
-  const data = new Float32Array(4 * rows * columns);
-  let before = new Float64Array(4), after = new Float64Array(4), most = 0;
-  const sum = new Float64Array(4);
-  for (let row = 0; row < rows; ++row) {
-    const deviation = (row / (rows - 1)) ** 3;
-    for (let column = 0; column < columns; ++column) {
-      const at = column / (columns - 1), mean = valueAt(at);
-      let weight = 0;
-      sum.fill(0);
-      const add = (from, to, mass) => {
-        weight += mass;
-        for (let c = 0; c < 4; ++c) sum[c] += (mass * (after[c] - before[c])) / (to - from);
-      };
-      if (row === 0) {
-        // Of one value: the mean over half a column on either side.
-        const from = valueAt(Math.max(at - 0.5 / (columns - 1), 0)), to = valueAt(Math.min(at + 0.5 / (columns - 1), 1));
-        integralAt(from, before);
-        integralAt(to, after);
-        add(from, to, 1);
-      } else {
-        let from = clamp(mean + bins.edges[0] * deviation, -1, 1);
-        integralAt(from, before);
-        for (let n = 0; n < bins.masses.length; ++n) {
-          const to = clamp(mean + bins.edges[n + 1] * deviation, -1, 1);
-          integralAt(to, after);
-          if (to > from) add(from, to, (bins.masses[n] * (to - from)) / (bins.width * deviation));
-          from = to;
-          [before, after] = [after, before];
-        }
-      }
-      for (let c = 0; c < 4; ++c) {
-        const light = weight > 0 ? sum[c] / weight : 0;
-        data[4 * (row * columns + column) + c] = light;
-        most = Math.max(most, light);
-      }
+/** Whether a table follows pieces: between two of its columns light goes up or down, not both by more than a 50th of the most there is. */
+function followed(pieces, valueAt) {
+  let n = 0;
+  for (let column = 0; column + 1 < columns; ++column) {
+    const from = valueAt(column / (columns - 1)), to = valueAt((column + 1) / (columns - 1)), seen = [];
+    while (n + 1 < pieces.length && pieces[n][1] <= from) ++n;
+    for (let m = n; m < pieces.length && pieces[m][0] < to; ++m) {
+      const [start, end, first, last] = pieces[m];
+      for (const v of [from, to]) seen.push(mix(first, last, clamp((v - start) / (end - start), 0, 1)));
+    }
+    for (let c = 0; c < 4; ++c) {
+      let path = 0;
+      for (let k = 1; k < seen.length; ++k) path += Math.abs(seen[k][c] - seen[k - 1][c]);
+      if (path - Math.abs(seen.at(-1)[c] - seen[0][c]) > 0.02) return false;
     }
   }
-  // Shares of the largest: what 16-bit floats hold.
-  if (most > 0) for (let n = 0; n < data.length; ++n) data[n] /= most;
-  return { data, columns, rows, part: [low, high, perRange, perPart], most };
+  return true;
+}
+
+/**
+ * Light per unit of the measure as pieces that are linear in the value, as render/by_value/light_of_moments.cpp makes them. Values are shares of the data's range.
+ * source   {reference, unit, isMeasure}: the range is reference ± unit
+ * returns  {pieces: [[start, end, light, light]] over its most, most, columns: uniform of finish.frag, exact: for bands narrower than them}
+ */
+export function lightOf({ colors, opacity, unit }, source) {
+  const low = source.reference - source.unit, range = 2 * source.unit, own = (value) => (value - low) / range;
+  const least = leastShare * Math.max(Math.abs(low), Math.abs(low + range));
+  const light = (share) => {
+    const value = low + range * share;
+    let s = extinctionOf(walker(opacity)(value)[1], unit);
+    if (source.isMeasure) s = value > 0 ? s / Math.max(value, least) : 0;
+    return [...walker(colors)(value).slice(1), 1].map((c) => c * s);
+  };
+  const values = [...colors.map(([v]) => own(v)), ...opacity.map(([v]) => own(v)), ...(source.isMeasure ? [own(0), own(least)] : [])];
+  const ends = [...new Set([0, 1, ...values.filter((v) => v > 0 && v < 1)])].sort((a, b) => a - b), pieces = [];
+  // Just inside: at a step of the transfer function the ends have other values.
+  for (let n = 0; n + 1 < ends.length; ++n) {
+    const [from, to] = [ends[n], ends[n + 1]], inside = 1e-9 * (to - from);
+    if (Math.fround(to) > Math.fround(from)) divide(pieces, light, from, light(from + inside), to, light(to - inside));
+  }
+  const most = pieces.reduce((m, [, , a, b]) => Math.max(m, a[3], b[3]), 0) || 1;
+  for (const piece of pieces) for (const k of [2, 3]) piece[k] = piece[k].map((v) => v / most);
+  let first = clamp(Math.min(own(colors[0][0]), own(opacity[0][0])), 0, 1);
+  let last = clamp(Math.max(own(colors.at(-1)[0]), own(opacity.at(-1)[0])), 0, 1);
+  if (!(last - first > 1e-5)) [first, last] = [0, 1];
+  const margin = 0.05 * (last - first), from = Math.max(first - margin, 0), to = Math.min(last + margin, 1), part = 0.5 / (to - from);
+  const [atFirst, atLast] = [0.5 * from, 0.5 * to + 0.5];
+  const valueAt = (p) => (p <= atFirst ? 2 * p : p >= atLast ? 1 - 2 * (1 - p) : from + ((to - from) * (p - atFirst)) / (atLast - atFirst));
+  return { pieces, most, columns: [from, to, 0.5, part], exact: !followed(pieces, valueAt) };
+}
+
+/** Error function: Abramowitz and Stegun 7.1.26, of absolute error below 1.5e-7. */
+function erf(x) {
+  const t = 1 / (1 + 0.3275911 * Math.abs(x));
+  const sum = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
+  return Math.sign(x) * (1 - sum * Math.exp(-x * x));
+}
+/** Share of a normal distribution below u deviations. */
+export const below = (u) => 0.5 * (1 + erf(u * Math.SQRT1_2));
+
+/** Mean extinction for the measure 1 of normal distributions (render/device/expected_light.h), by mean and deviation in units of ± the source's. */
+export function extinctionIn({ pieces, most }) {
+  return (value, deviation) => {
+    const mean = clamp(0.5 + 0.5 * value, 0, 1), spread = Math.max(0.5 * deviation, 1e-6), density = (z) => Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI);
+    let [low, high] = [0, pieces.length - 1], sum = 0, whole = 0;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (pieces[middle][0] <= mean - 4 * spread) low = middle;
+      else high = middle - 1;
+    }
+    for (; low < pieces.length && (pieces[low][0] - mean) / spread < 4; ++low) {
+      const [start, end, first, last] = pieces[low], z0 = (start - mean) / spread, z1 = (end - mean) / spread, mass = below(z1) - below(z0);
+      const moment = clamp(((mean - start) * mass + spread * (density(z0) - density(z1))) / (end - start), 0, mass);
+      sum += (mass - moment) * first[3] + moment * last[3];
+      whole += mass;
+    }
+    return whole > 0 ? (most * sum) / whole : 0;
+  };
 }
 
 /** Pieces of at most a 32nd, as vog::over_range divides those of a logarithmic range. */

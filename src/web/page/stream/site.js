@@ -1,8 +1,7 @@
 // site.js: models that are streamed from a web server (docs/streaming.md): for each view the chunks that it needs, of them what the
 // quantity needs. The same calls as Levels (model/levels.js).
-import { fieldPlace, inSlabs } from '../quantity.js';
-import { expectedLight } from '../picture/transfer.js';
-import { extinctionIn } from '../picture/probe.js';
+import { fieldPlace } from '../quantity.js';
+import { extinctionIn, lightOf } from '../picture/transfer.js';
 import { meets } from '../picture/clip.js';
 import { leastError, mostError } from '../link/link.js';
 import { drawnCut, viewOf, wantedCut } from './cut.js';
@@ -43,7 +42,7 @@ export class Site {
   /** What the shown quantity needs of each chunk, as of bytesOf. */
   needs() {
     const state = this.view.state(), field = fieldPlace(state);
-    return { field, vector: field !== null && this.page.models[state.model].fields[field].vector, slabs: inSlabs(state.show) };
+    return { field, vector: field !== null && this.page.models[state.model].fields[field].vector };
   }
   /** Limits of memory. */
   limits() {
@@ -152,7 +151,7 @@ export class Site {
   }
   latticeOfValues({ instances }, data, transfer) {
     const state = this.view.state(), model = this.page.models[state.model], { reference, scale: unit, isMeasure } = model.fields[state.field];
-    return Visibility.ofValues(model, this.root.box, instances, data, extinctionIn(expectedLight(transfer, { reference, unit, isMeasure })));
+    return Visibility.ofValues(model, this.root.box, instances, data, extinctionIn(lightOf(transfer, { reference, unit, isMeasure })));
   }
 
   // --- Drawing. ---

@@ -3,11 +3,11 @@
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats, vectorFloats } from '../model/fields.js';
 
-const floatBytes = 4, lightFloats = 12;  // of slabs.js: three images of four floats
+const floatBytes = 4;
 
-/** What a quantity needs of each chunk: {field: its place, or null, vector, slabs: whether it has light}. */
-export function bytesOf({ gaussians, bytes }, { field, vector, slabs }) {
-  const floats = instanceFloats + (field === null ? 0 : vector ? vectorFloats : scalarFloats) + (slabs ? lightFloats : 0);
+/** What a quantity needs of each chunk: {field: its place, or null, vector}. */
+export function bytesOf({ gaussians, bytes }, { field, vector }) {
+  const floats = instanceFloats + (field === null ? 0 : vector ? vectorFloats : scalarFloats);
   return bytes[0] + (field === null ? 0 : bytes[1 + field]) + floatBytes * floats * gaussians;
 }
 
@@ -18,7 +18,7 @@ function keptBytes({ shapes, fields, gpu, coarse }) {
   for (const packed of fields.values()) sum += packed.length;
   if (!gpu) return sum;
   let floats = instanceFloats;
-  for (const { vector, light } of gpu.fields.values()) floats += (vector ? vectorFloats : scalarFloats) + (light ? lightFloats : 0);
+  for (const { vector } of gpu.fields.values()) floats += vector ? vectorFloats : scalarFloats;
   return sum + floatBytes * floats * gpu.count;
 }
 
@@ -52,18 +52,16 @@ export class Store {
     this.chunks.delete(chunk);
   }
 
-  /** Frees a chunk's fields beside the shown one, and light that is not shown; returns the bytes. */
-  dropFields({ kept }, { field, slabs }, renderer) {
+  /** Frees a chunk's fields beside the shown one; returns the bytes. */
+  dropFields({ kept }, { field }, renderer) {
     const before = keptBytes(kept);
     for (const place of [...kept.fields.keys()]) {
       if (place === field) continue;
       kept.fields.delete(place);
       kept.coarse?.fields.delete(place);
     }
-    for (const [place, one] of [...(kept.gpu?.fields ?? [])]) {
+    for (const place of [...(kept.gpu?.fields.keys() ?? [])])
       if (place !== field) renderer?.releaseField(kept.gpu, place);
-      else if (!slabs) renderer?.releaseLight(one);
-    }
     return before - keptBytes(kept);
   }
 

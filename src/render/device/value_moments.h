@@ -1,0 +1,157 @@
+// value_moments.h: Moments of a field's values in a part of a ray, and their light (docs/volume_rendering.md, "Models").
+//
+// With phi the plane of a Gaussian in the middle of its part tau of the ray, r² and third the central moments of its
+// residual, parts have the sums of  tau,  tau phi,  tau (phi² + r²),  tau (phi³ + 3 phi r² + third),  and tau g for light.
+// Values are shares of the field's range.
+#pragma once
+
+#include "render/device/expected_light.h"
+#include "render/device/shading.h"
+
+namespace vog::device {
+
+/// Sums of a part; a maximum has the first two, unlit pictures the first four.
+enum ValueChannel : int32_t { kTau, kFirst, kSecond, kThird, kGradient };
+constexpr int32_t kMaximumChannels = kSecond, kUnlitChannels = kGradient,
+                  kLitChannels = kGradient + 3;
+
+/// Central moments.
+struct ValueMoments {
+    float tau, mean, variance, third;  ///< tau 0: nothing
+    Float3 gradient;                   ///< times a factor > 0; without light 0
+};
+/// sum  [channels]
+VOG_HD ValueMoments moments_of(const float* sum, bool lit) {
+    ValueMoments m{sum[kTau], 0, 0, 0, {0, 0, 0}};
+    if (!(m.tau > 0)) return m;
+    const float noise = 1 - 4e-7f;  // rounding of sums of equal values must not spread them
+    m.mean = sum[kFirst] / m.tau;
+    const float square = sum[kSecond] / m.tau;
+    m.variance = fmaxf(square * noise - m.mean * m.mean, 0.0f);
+    m.third = sum[kThird] / m.tau - m.mean * (3 * square - 2 * m.mean * m.mean);
+    if (lit) m.gradient = {sum[kGradient], sum[kGradient + 1], sum[kGradient + 2]};
+    return m;
+}
+
+/// Two normal distributions with a mean, a variance and a skewness: with u = skewness / kShare³ they lie
+/// kShare (u ± sqrt(u² + 4)) / 2 deviations from the mean, with weights (1 ∓ u / sqrt(u² + 4)) / 2, and have the variance
+/// that is left. Narrow, so that the two can have most skewness; narrower ones miss what lies between.
+struct NormalPair {
+    static constexpr float kShare = 0.95f, kPerCube = 1 / (kShare * kShare * kShare),
+                           kNarrow = 1 - kShare * kShare;
+    /// Rounding of sums hides the third moment of less.
+    static constexpr float kLeastVariance = 1e-5f;
+    static constexpr float kMostSkewness = 3;
+
+    float high, low;  ///< means, within the range
+    float variance;   ///< of both
+    float of_high;    ///< weight
+};
+VOG_HD NormalPair normal_pair(const ValueMoments& m) {
+    const float mean = fminf(fmaxf(m.mean, 0.0f), 1.0f);
+    if (!(m.variance > NormalPair::kLeastVariance)) return {mean, mean, m.variance, 0.5f};
+    const float deviation = sqrtf(m.variance);
+    const float skewness =
+        fminf(fmaxf(m.third / (m.variance * deviation), -NormalPair::kMostSkewness),
+              NormalPair::kMostSkewness);
+    const float u = NormalPair::kPerCube * skewness, root = sqrtf(u * u + 4);
+    const float half = 0.5f * NormalPair::kShare * deviation;
+    return {fminf(fmaxf(m.mean + half * (u + root), 0.0f), 1.0f),
+            fminf(fmaxf(m.mean + half * (u - root), 0.0f), 1.0f), NormalPair::kNarrow * m.variance,
+            0.5f * (1 - u / root)};
+}
+
+/// Mean light per unit of tau, shaded.
+/// m            tau > 0
+/// towards_eye  unit length
+VOG_HD void light_of(const MeanLight& light, const BlinnPhong& look, const ValueMoments& m,
+                     Double3 towards_eye, float out[4]) {
+    const NormalPair pair = normal_pair(m);
+    float low[4];
+    light.light(pair.high, pair.variance, out);
+    light.light(pair.low, pair.variance, low);
+    for (int c = 0; c < 4; ++c) out[c] = low[c] + pair.of_high * (out[c] - low[c]);
+    if (!look.on) return;
+    const Shading by = look.shading(to_double(m.gradient), towards_eye);
+    const float body = static_cast<float>(by.body), shine = static_cast<float>(by.shine);
+    for (int c = 0; c < 3; ++c) out[c] = fminf(body * out[c] + shine * out[3], out[3]);
+}
+
+/// Colour in front, premultiplied, and the transmittance of that.
+struct SeenLight {
+    float color[3], passed;
+};
+/// Composites a part behind those before.
+/// light  per unit of tau
+VOG_HD void composite(const float light[4], float tau, SeenLight& seen) {
+    const float depth = light[3] * tau;
+    if (!(depth > 0)) return;
+    const float absorbed = -expm1f(-depth), weight = seen.passed * absorbed / light[3];
+    for (int c = 0; c < 3; ++c) seen.color[c] += weight * light[c];
+    seen.passed *= 1 - absorbed;
+}
+
+/// Steps of a slab that absorbs much, in which the moments go over to those of its neighbours: surfaces are found
+/// between means of slabs.
+constexpr int32_t kSurfaceSteps = 6;
+/// Optical depth of a slab from which on it is divided into steps.
+constexpr float kSurfaceDepth = 0.2f;
+/// Transmittance that hides everything behind.
+constexpr float kDarkTransmittance = 1e-6f;
+
+/// Step k of a slab, before scale and shift: between the means of slabs weights, means and spreads are linear.
+VOG_HD ValueMoments step_between(const ValueMoments& own, const ValueMoments& before,
+                                 const ValueMoments& behind, int32_t k) {
+    const float at = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
+    const ValueMoments& other = at < 0 ? before : behind;
+    const float share = fabsf(at), rest = 1 - share;
+    const float beside = other.tau * share, tau = own.tau * rest + beside;
+    const float of = beside / tau, left = 1 - of;
+    const float change = other.tau > 0 ? other.mean - own.mean : 0;
+    // Less the variance in a slab of means that change linearly from slab to slab.
+    const float variance =
+        of * other.variance + left * own.variance - change * change * (1.0f / 12);
+    return {tau, of * other.mean + left * own.mean, fmaxf(variance, 0.0f),
+            of * other.third + left * own.third, share * other.gradient + rest * own.gradient};
+}
+
+/// Composites a slab between its neighbours, behind those before.
+VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const ValueMoments& own,
+                           const ValueMoments& before, const ValueMoments& behind,
+                           Double3 towards_eye, SeenLight& seen) {
+    if (!(own.tau > 0) || seen.passed < kDarkTransmittance) return;
+    float color[4];
+    light_of(light, look, own, towards_eye, color);
+    if (color[3] * own.tau < kSurfaceDepth) return composite(color, own.tau, seen);
+    // Steps together have the slab's weight and mean.
+    float whole = 0, first = 0;
+    for (int32_t k = 0; k < kSurfaceSteps; ++k) {
+        const ValueMoments step = step_between(own, before, behind, k);
+        whole += step.tau, first += step.tau * step.mean;
+    }
+    const float scale = own.tau / whole, shift = own.mean - first / whole;
+    for (int32_t k = 0; k < kSurfaceSteps && seen.passed >= kDarkTransmittance; ++k) {
+        ValueMoments step = step_between(own, before, behind, k);
+        step.tau *= scale, step.mean += shift;
+        light_of(light, look, step, towards_eye, color);
+        composite(color, step.tau, seen);
+    }
+}
+
+/// Slabs along a ray, composited front to back, each as soon as the one behind it is known.
+struct SlabLine {
+    ValueMoments before, own;
+    SeenLight seen;
+
+    VOG_HD void add(const MeanLight& light, const BlinnPhong& look, const ValueMoments& behind,
+                    Double3 towards_eye) {
+        composite_slab(light, look, own, before, behind, towards_eye, seen);
+        before = own, own = behind;
+    }
+};
+VOG_HD SlabLine empty_line() {
+    const ValueMoments nothing{0, 0, 0, 0, {0, 0, 0}};
+    return {nothing, nothing, {{0, 0, 0}, 1}};
+}
+
+}  // namespace vog::device

@@ -1,0 +1,142 @@
+// finish.frag: slabs of moments classified and composited front to back (render/device/value_moments.h): premultiplied colour,
+// and alpha; blended under what is in front of them. From the last slab of the pass before to the last but one of this pass:
+// surfaces are found between a slab and its neighbours. LIT: two slabs a pass, with gradients. Follows erf.glsl, expected.glsl.
+in vec2 position;
+
+uniform highp sampler2D before_0, before_1, before_2, before_3, layer_0, layer_1, layer_2, layer_3;
+uniform highp sampler2D table;  // of table.frag
+uniform int exact;              // 1: the closed form: bands are narrower than the table's columns
+uniform vec4 columns;           // MeanLight: low, high, per_range, per_part
+uniform float unit;             // factor of the light
+uniform float rounding;         // of sums
+uniform vec2 size_px, jitter_px;
+uniform float first_row;        // of the image, in the target's row 0
+uniform float pixels_per_unit;
+uniform float parallel;         // 1: parallel rays
+uniform vec4 lighting;          // ambient, diffuse, specular, power; no light: power 0
+uniform vec3 towards_light;     // along right, up and forward; 0: the eye
+
+layout(location = 0) out vec4 color;
+
+#ifdef LIT
+const int kSlabs = 2;
+#else
+const int kSlabs = 4;
+#endif
+// NormalPair; rows of MeanLight; steps of a slab from an optical depth on.
+const float kShare = 0.95, kMostSkewness = 3.0, kMostVariance = 0.25, kLeastVariance = kMostVariance / 524288.0;
+const int kColumns = 1024, kRows = 21, kSteps = 6;
+const float kSurfaceDepth = 0.2;
+
+struct Moments {
+    float tau, mean, variance, third;
+    vec3 gradient;
+};
+
+Moments moments_of(vec4 sum, vec3 gradient) {
+    if (!(sum.x > 0.0)) return Moments(0.0, 0.0, 0.0, 0.0, vec3(0.0));
+    vec3 m = sum.yzw / sum.x;
+    return Moments(sum.x, m.x, max(m.y * (1.0 - rounding) - m.x * m.x, 0.0), m.z - m.x * (3.0 * m.y - 2.0 * m.x * m.x), gradient);
+}
+
+vec4 table_at(float mean, float row) {
+    float x = (mean * columns.z + (clamp(mean, columns.x, columns.y) - columns.x) * columns.w) * float(kColumns - 1);
+    ivec2 at = ivec2(min(floor(vec2(x, row)), vec2(kColumns - 2, kRows - 2)));
+    vec4 above = mix(texelFetch(table, at, 0), texelFetch(table, at + ivec2(1, 0), 0), x - float(at.x));
+    vec4 below = mix(texelFetch(table, at + ivec2(0, 1), 0), texelFetch(table, at + ivec2(1, 1), 0), x - float(at.x));
+    return mix(above, below, row - float(at.y));
+}
+
+// Light per unit of tau at two means of one variance, the first weighted by a share.
+vec4 pair_light(vec2 means, float variance, float share) {
+    means = clamp(means, 0.0, 1.0);
+    if (exact == 1) return mix(expected_light(means.y, sqrt(variance)), expected_light(means.x, sqrt(variance)), share);
+    // The bits of a float above a power of two count octaves, linear between them.
+    float row = variance <= kLeastVariance ? variance / kLeastVariance
+              : 1.0 + float(floatBitsToInt(min(variance, kMostVariance)) - floatBitsToInt(kLeastVariance)) / 8388608.0;
+    return mix(table_at(means.y, row), table_at(means.x, row), share);
+}
+
+vec4 mean_light(Moments m) {
+    if (!(m.variance > max(1e-5, 25.0 * rounding))) return pair_light(vec2(m.mean), m.variance, 0.5);
+    float deviation = sqrt(m.variance);
+    float u = clamp(m.third / (m.variance * deviation), -kMostSkewness, kMostSkewness) / (kShare * kShare * kShare);
+    float root = sqrt(u * u + 4.0);
+    return pair_light(m.mean + 0.5 * kShare * deviation * vec2(u + root, u - root), (1.0 - kShare * kShare) * m.variance,
+                      0.5 * (1.0 - u / root));
+}
+
+// Blinn and Phong's shading (render/device/shading.h), along the camera's axes; at most what is absorbed.
+vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye) {
+    float steepness = length(gradient);
+    if (lighting.w == 0.0 || !(steepness > 0.0)) return light;
+    vec3 normal = gradient / steepness;
+    if (dot(normal, towards_eye) < 0.0) normal = -normal;
+    vec3 to = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
+    float facing = max(dot(normal, to), 0.0);
+    vec3 between = to + towards_eye;
+    float mirrored = facing > 0.0 ? clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0.0;
+    float shine = mirrored > 0.0 ? lighting.z * pow(mirrored, lighting.w) : 0.0;
+    return vec4(min((lighting.x + lighting.y * facing) * light.rgb + shine * light.a, light.a), light.a);
+}
+
+void composite(vec4 light, float tau) {
+    float depth = light.a * tau;
+    if (!(depth > 0.0)) return;
+    float passed = exp(-depth);
+    float share = depth < 0.06 ? ((-depth / 24.0 + 1.0 / 6.0) * depth - 0.5) * depth + 1.0 : (1.0 - passed) / depth;
+    color.rgb += (1.0 - color.a) * share * tau * light.rgb;
+    color.a = 1.0 - (1.0 - color.a) * passed;
+}
+
+// Between the means of slabs weights, means and spreads are linear; less the variance in a slab of means that change so.
+Moments step_between(Moments own, Moments other, float share) {
+    float rest = 1.0 - share, beside = other.tau * share, tau = own.tau * rest + beside, of = beside / tau;
+    float change = other.tau > 0.0 ? other.mean - own.mean : 0.0;
+    return Moments(tau, mix(own.mean, other.mean, of), max(mix(own.variance, other.variance, of) - change * change / 12.0, 0.0),
+                   mix(own.third, other.third, of), share * other.gradient + rest * own.gradient);
+}
+
+void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, float slant) {
+    if (!(own.tau > 0.0)) return;
+    vec4 light = unit * shaded(mean_light(own), own.gradient, towards_eye);
+    if (light.a * own.tau * slant < kSurfaceDepth) {
+        composite(light, own.tau * slant);
+        return;
+    }
+    // Steps together have the slab's weight and mean.
+    Moments steps[kSteps];
+    float whole = 0.0, first = 0.0;
+    for (int k = 0; k < kSteps; ++k) {
+        float at = (float(k) + 0.5) / float(kSteps) - 0.5;
+        if (at < 0.0) steps[k] = step_between(own, before, -at);
+        else steps[k] = step_between(own, behind, at);
+        whole += steps[k].tau, first += steps[k].tau * steps[k].mean;
+    }
+    for (int k = 0; k < kSteps; ++k) {
+        Moments m = steps[k];
+        m.mean += own.mean - first / whole;
+        composite(unit * shaded(mean_light(m), m.gradient, towards_eye), m.tau * own.tau / whole * slant);
+    }
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec2 slope = (gl_FragCoord.xy + vec2(0.0, first_row) - 0.5 * size_px + jitter_px) / pixels_per_unit * vec2(1.0, -1.0);
+    vec3 along = vec3((1.0 - parallel) * slope, 1.0);
+    float slant = length(along);
+    Moments slab[2 * kSlabs];
+#ifdef LIT
+    slab[0] = moments_of(texelFetch(before_0, at, 0), texelFetch(before_1, at, 0).xyz);
+    slab[1] = moments_of(texelFetch(before_2, at, 0), texelFetch(before_3, at, 0).xyz);
+    slab[2] = moments_of(texelFetch(layer_0, at, 0), texelFetch(layer_1, at, 0).xyz);
+    slab[3] = moments_of(texelFetch(layer_2, at, 0), texelFetch(layer_3, at, 0).xyz);
+#else
+    slab[0] = slab[1] = moments_of(vec4(0.0), vec3(0.0));
+    slab[2] = moments_of(texelFetch(before_2, at, 0), vec3(0.0)), slab[3] = moments_of(texelFetch(before_3, at, 0), vec3(0.0));
+    slab[4] = moments_of(texelFetch(layer_0, at, 0), vec3(0.0)), slab[5] = moments_of(texelFetch(layer_1, at, 0), vec3(0.0));
+    slab[6] = moments_of(texelFetch(layer_2, at, 0), vec3(0.0)), slab[7] = moments_of(texelFetch(layer_3, at, 0), vec3(0.0));
+#endif
+    color = vec4(0.0);
+    for (int n = kSlabs - 1; n < 2 * kSlabs - 1; ++n) add_slab(slab[n], slab[n - 1], slab[n + 1], -along / slant, slant);
+}
