@@ -2,6 +2,12 @@
 // unstructured meshes" (1989), for the planes of Gaussians.
 #include "data/field_limits.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+
 namespace vog {
 
 double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i) {
@@ -11,6 +17,27 @@ double plane_variance(const Gaussians& gaussians, const ScalarField& field, std:
     const Vec3d s = vec_cast<double>(gaussians.scale[i]);
     const Vec3d across{own.x * s.x, own.y * s.y, own.z * s.z};
     return dot(across, across);
+}
+
+void limit_planes(Gaussians& model) {
+    constexpr double kRounding = 1e-5;  // more than floats', so that limited planes stay
+    const double reach{model.cutoff}, within = variance_within(reach);
+    for (ScalarField& field : model.fields.scalar)
+        vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
+            const double variance = plane_variance(model, field, i);
+            const double extent = reach * std::sqrt(variance), value{field.value[i]};
+            const double room = std::max(std::min(field.upper - value, value - field.lower), 0.0);
+            if (!(extent > (1 + kRounding) * room)) return;
+            const double share = room / extent, r{field.deviation[i]};
+            const double more = std::sqrt(r * r + (1 - share * share) * within * variance);
+            field.gradient[i] = vec_cast<float>(share * vec_cast<double>(field.gradient[i]));
+            field.deviation[i] =
+                static_cast<float>(std::min(more, double{std::numeric_limits<float>::max()}));
+            // The third moment stays.
+            const double ratio = more > 0 ? r / more : 0;
+            field.skewness[i] =
+                static_cast<float>(double{field.skewness[i]} * ratio * ratio * ratio);
+        });
 }
 
 }  // namespace vog

@@ -10,4 +10,9 @@ namespace vog {
 /// Variance of the field's plane over Gaussian i of the model, without its truncation.
 double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i);
 
+/// Scales gradients so that each plane of a scalar field stays within the field's range over its Gaussian's support, and adds
+/// the variance that they give up to the residual: the mean and the second moment of a Gaussian's values stay. Planes
+/// within the range stay the same bytes.
+void limit_planes(Gaussians& model);
+
 }  // namespace vog

@@ -12,7 +12,7 @@ namespace {
 ScalarField random_scalar(std::size_t count, Random& random) {
     ScalarField field;
     for (std::size_t i = 0; i < count; ++i) {
-        field.value.push_back(static_cast<float>(random(300, 1500)));
+        field.value.push_back(static_cast<float>(random(350, 1150)));
         field.gradient.push_back(vec_cast<float>(random.in_cube(400)));
         field.deviation.push_back(static_cast<float>(random(0, 200)));
         field.skewness.push_back(static_cast<float>(random(-3, 3)));

@@ -9,6 +9,7 @@
 
 #include "convert/moments/covariance_adjugate.h"
 #include "core/paging.h"
+#include "data/field_limits.h"
 
 namespace vog::joint {
 
@@ -150,6 +151,7 @@ void FieldEntries::move_to(Gaussians& model) && {
             model.fields.vector.push_back(std::move(vector_[f]));
         else
             model.fields.scalar.push_back(std::move(scalar_[f]));
+    limit_planes(model);
 }
 
 }  // namespace vog::joint

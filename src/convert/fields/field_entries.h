@@ -53,6 +53,7 @@ class FieldEntries {
     /// mass       of both sums; 0: no residual
     void set(std::size_t i, const WorldPlane* planes, const double* residuals, double mass);
     /// Appends them to a model's.
+    /// Planes leave no field's range (limit_planes).
     void move_to(Gaussians& model) &&;
 
   private:

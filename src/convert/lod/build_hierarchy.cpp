@@ -13,6 +13,7 @@
 #include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
 #include "data/field_arrays.h"
+#include "data/field_limits.h"
 #include "data/hierarchy_links.h"
 #include "vog/error.h"
 
@@ -188,6 +189,7 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
                               for (std::size_t n = range.begin(); n < range.end(); ++n)
                                   make_node(growth, n);
                           });
+    limit_planes(tree.nodes);
     return std::move(tree);
 }
 

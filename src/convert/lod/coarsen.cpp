@@ -11,6 +11,7 @@
 #include "convert/particles/moment_tree.h"
 #include "core/parallel.h"
 #include "data/field_arrays.h"
+#include "data/field_limits.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -120,6 +121,7 @@ void set_fields(const Gaussians& source, const PointTree& tree,
         for (std::size_t k = 0; k < source.fields.vector.size(); ++k)
             fields.set(source.fields.vector[k], model.fields.vector[k]);
     });
+    limit_planes(model);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "convert/lod/field_moments.h"
 #include "core/paging.h"
 #include "core/parallel.h"
+#include "data/field_limits.h"
 #include "vog/error.h"
 #include "vog/value_counts.h"
 
@@ -146,6 +147,7 @@ void add_particle_fields(Gaussians& model, const Points& points,
         for (const auto& [values, k] : scalar) group.set<1>(*values, model.fields.scalar[k]);
         for (const auto& [values, k] : vector) group.set<3>(*values, model.fields.vector[k]);
     });
+    limit_planes(model);
 }
 
 }  // namespace vog::particles

@@ -13,6 +13,7 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "data/field_arrays.h"
+#include "data/field_limits.h"
 #include "data/hierarchy_links.h"
 #include "io/exchange/finite_splats.h"
 #include "io/exchange/splat_density.h"
@@ -168,6 +169,7 @@ Gaussians ply::read_part(const std::filesystem::path& file, const ModelPart& par
     model.source = file.string();
     validate(model);
     model.source = source;
+    limit_planes(model);  // of older versions
     if (!hierarchy) return model;
     *hierarchy = {};
     if (layout != Layout::vog || !header.nodes() || header.nodes()->count == 0) return model;
@@ -177,6 +179,7 @@ Gaussians ply::read_part(const std::filesystem::path& file, const ModelPart& par
     link(*hierarchy, count, file.string());
     hierarchy->nodes.origin = model.origin;
     validate(*hierarchy, model, file.string());
+    limit_planes(hierarchy->nodes);
     return model;
 }
 

@@ -11,6 +11,7 @@
 
 #include "core/parallel.h"
 #include "data/field_arrays.h"
+#include "data/field_limits.h"
 #include "data/hierarchy_links.h"
 #include "io/model_part.h"
 #include "io/vogz/chunk_fields.h"
@@ -205,9 +206,11 @@ Gaussians read(OpenFile& in, const std::filesystem::path& file, const Selection&
     const std::string source = std::exchange(model.source, file.string());
     validate(model);
     model.source = source;
+    limit_planes(model);  // of older versions, and rounded ones
     if (hierarchy && nodes > 0) {
         link(*hierarchy, model.size(), file.string());
         validate(*hierarchy, model, file.string());
+        limit_planes(hierarchy->nodes);
     }
     return model;
 }
