@@ -22,12 +22,13 @@ double plane_variance(const Gaussians& gaussians, const ScalarField& field, std:
 void limit_planes(Gaussians& model) {
     constexpr double kRounding = 1e-5;  // more than floats', so that limited planes stay
     const double reach{model.cutoff}, within = variance_within(reach);
-    for (ScalarField& field : model.fields.scalar)
+    for (ScalarField& field : model.fields.scalar) {
+        if (!(field.upper > field.lower)) continue;  // constant, or of no stated range
         vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
             const double variance = plane_variance(model, field, i);
             const double extent = reach * std::sqrt(variance), value{field.value[i]};
             const double room = std::max(std::min(field.upper - value, value - field.lower), 0.0);
-            if (!(extent > (1 + kRounding) * room)) return;
+            if (!(extent > (1 + kRounding) * room + 1e-6 * std::abs(value))) return;
             const double share = room / extent, r{field.deviation[i]};
             const double more = std::sqrt(r * r + (1 - share * share) * within * variance);
             field.gradient[i] = vec_cast<float>(share * vec_cast<double>(field.gradient[i]));
@@ -38,6 +39,7 @@ void limit_planes(Gaussians& model) {
             field.skewness[i] =
                 static_cast<float>(double{field.skewness[i]} * ratio * ratio * ratio);
         });
+    }
 }
 
 }  // namespace vog

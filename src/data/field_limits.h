@@ -12,7 +12,7 @@ double plane_variance(const Gaussians& gaussians, const ScalarField& field, std:
 
 /// Scales gradients so that each plane of a scalar field stays within the field's range over its Gaussian's support, and adds
 /// the variance that they give up to the residual: the mean and the second moment of a Gaussian's values stay. Planes
-/// within the range stay the same bytes.
+/// within the range stay the same bytes, and so do fields without a range (lower = upper).
 void limit_planes(Gaussians& model);
 
 }  // namespace vog

@@ -21,6 +21,13 @@ using test::field_of, test::set_range, test::values_of;
 
 double wavy(Vec3d p) { return 300 + 2 * std::sin(0.7 * p.x) + 0.3 * p.y - p.z * p.z / 40; }
 
+/// Field whose planes are far from the ends of its range: nothing limits them (field_limits_test.cpp).
+VoxelField unlimited(VoxelField field) {
+    const double room = field.upper - field.lower;
+    field.lower -= room, field.upper += room;
+    return field;
+}
+
 /// Leaves alone, so that every cell has voxels of its own.
 Volume leaves_of(std::uint64_t seed, double share) {
     Volume volume = test::random_volume(seed, share);
@@ -74,7 +81,7 @@ std::map<std::tuple<int, int, int>, Cell> cells_of(const Volume& volume, const V
 TEST(add_fields, hard_cells_have_the_plane_of_least_squares_of_their_voxels) {
     for (const int block : {1, 2, 4, 8, 16}) {
         const Volume volume = leaves_of(31, 0.4);
-        const VoxelField field = field_of("temperature", volume, wavy);
+        const VoxelField field = unlimited(field_of("temperature", volume, wavy));
         Gaussians model = hard_model(volume, block);
         add(model, volume, field, {UniformCells{block}});
         ASSERT_EQ(model.fields.scalar.size(), 1u);
@@ -100,7 +107,7 @@ TEST(add_fields, hard_cells_have_the_plane_of_least_squares_of_their_voxels) {
             }
             // The plane's mean is that of the voxels, whose mean position is the Gaussian's.
             EXPECT_NEAR(double{made.value[i]}, value / mass, 2e-4) << block;
-            EXPECT_NEAR(double{made.deviation[i]}, std::sqrt(left), 2e-4) << block;
+            EXPECT_NEAR(double{made.deviation[i]}, std::sqrt(left), 3e-4) << block;
             const double skewness = std::clamp(cubes / std::pow(left, 1.5), -3.0, 3.0);
             EXPECT_NEAR(double{made.skewness[i]}, left > 1e-4 ? skewness : double{made.skewness[i]},
                         2e-2);
@@ -122,7 +129,7 @@ TEST(add_fields, hard_cells_have_the_plane_of_least_squares_of_their_voxels) {
 TEST(add_fields, windows_have_the_plane_of_least_squares_of_their_voxels) {
     for (const int block : {2, 4, 8}) {
         const Volume volume = leaves_of(41, 0.4);
-        const VoxelField field = field_of("temperature", volume, wavy);
+        const VoxelField field = unlimited(field_of("temperature", volume, wavy));
         const auto occupied = cells_of(volume, field, block);
         // Cells with half an edge of empty space between share no voxels.
         const auto are_apart = [&](const Cell& a, const Cell& b) {
@@ -264,8 +271,9 @@ TEST(add_fields, a_vector_field_is_three_scalar_ones_and_their_products) {
     options.budget = 80;
     Gaussians model = convert_moments(volume, options);
     add(model, volume, field_of("velocity", volume, x, y, z));
-    add(model, volume, field_of("x", volume, x));
-    add(model, volume, field_of("sum", volume, [&](Vec3d p) { return x(p) + y(p); }));
+    add(model, volume, unlimited(field_of("x", volume, x)));
+    add(model, volume,
+        unlimited(field_of("sum", volume, [&](Vec3d p) { return x(p) + y(p); })));
     const VectorField& v = model.fields.vector[0];
     const ScalarField &vx = model.fields.scalar[0], &sum = model.fields.scalar[1];
     for (std::size_t i = 0; i < model.size(); ++i) {

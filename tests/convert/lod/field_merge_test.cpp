@@ -158,6 +158,8 @@ void add_leaves(const Hierarchy& tree, std::size_t n, std::vector<std::size_t>& 
 Gaussians model_with_fields(int count, std::uint64_t seed, float cutoff = 2.25f) {
     Gaussians model = random_gaussians(count, 0.02, 0.2, seed, cutoff);
     add_random_fields(model, seed);
+    for (ScalarField& field : model.fields.scalar)
+        field.lower = -1e4, field.upper = 1e4;  // no plane is limited
     return model;
 }
 
@@ -236,7 +238,7 @@ TEST(field_merge, a_plane_that_all_share_stays_a_plane) {
         height.deviation.push_back(0);
         height.skewness.push_back(0);
     }
-    height.upper = 10;
+    height.lower = -100, height.upper = 100;  // no plane is limited
     const Hierarchy tree = build_hierarchy(model);
     ASSERT_GT(tree.size(), 20u);
     for (std::size_t n = 0; n < tree.size(); ++n) {
