@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "vog/error.h"
 

@@ -10,7 +10,7 @@
 #include <optional>
 #include <system_error>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "evaluate/evaluated_volumes.h"
 #include "evaluate/evaluation_json.h"
 #include "evaluate/evaluation_report.h"

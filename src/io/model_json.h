@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "vog/error.h"
 #include "vog/gaussians.h"
 

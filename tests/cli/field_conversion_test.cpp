@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 #include "support/command.h"
 #include "support/random_volume.h"
 #include "support/voxel_fields.h"

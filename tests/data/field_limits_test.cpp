@@ -1,5 +1,5 @@
 // field_limits_test.cpp: planes of fields stay within the range of the data, and keep their moments.
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "drawn.h"
 #include "render/splat/splat.h"
 #include "render/trace/trace.h"

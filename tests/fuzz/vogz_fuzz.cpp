@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "drawn.h"
 #include "fuzz_target.h"
 #include "io/vogz/chunk_fields.h"

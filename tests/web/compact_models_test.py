@@ -93,7 +93,9 @@ class CompactModels(NodeTest):
                     self.assertLessEqual(abs(row[k] / want[k] - 1), 1e-6)
             self.assertLessEqual(abs(row[shapes - 1] / want[shapes - 1] - 1), 1e-4, "density")
             for k in range(shapes, len(names)):
-                self.assertLessEqual(abs(row[k] - want[k]), 1e-6 * largest[k], names[k])
+                # A limited plane's residual is from a difference.
+                close = 4e-6 if names[k].endswith("_skew") else 1e-6
+                self.assertLessEqual(abs(row[k] - want[k]), close * largest[k], names[k])
 
     def test_shapes_and_fields_are_the_librarys(self):
         vog("convert", sampled_cloud(), "-o", "cloud.ply", "--block", 4)

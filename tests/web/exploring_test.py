@@ -49,7 +49,7 @@ class Exploring(PageTest):
     def make(cls):
         # Heat rises with x; the measure is the second field.
         cls.rows = random_gaussians(60, lambda mean: [(300 + 10 * mean[0], [10, 0, 0]), (0.5, [0, 0, 0])])
-        write_scalars(cls.folder / "two.ply", cls.rows, [("scalar", "heat", 285, 315), ("measure", "mass", 0.1, 1)])
+        write_scalars(cls.folder / "two.ply", cls.rows, [("scalar", "heat", 265, 335), ("measure", "mass", 0.1, 1)])
         # Pictures are compared with themselves alone: few slabs, which a GPU in software draws sooner.
         vog("export", "two.ply", "-o", "two.html", "--set", "levels=1", "--show", "volume", "--slabs", 8)
         # Three values of equal measure, four decades apart, and a field of both signs.
@@ -326,7 +326,7 @@ class Exploring(PageTest):
     def test_many_frames_take_no_more_memory(self):
         frames = 300 if nightly() else 100
         for n in range(3):
-            write_scalars(self.folder / f"s_{n}.ply", self.rows[n:], [("scalar", "heat", 285, 315), ("measure", "mass", 0.1, 1)])
+            write_scalars(self.folder / f"s_{n}.ply", self.rows[n:], [("scalar", "heat", 265, 335), ("measure", "mass", 0.1, 1)])
         vog("export", "s_*.ply", "-o", "steps.html", "--set", "levels=1", "--show", "volume", "--slabs", 8)
         self.browser.viewport(80, 60)
         self.open("steps.html", "#subframes=1&embed&show=volume")

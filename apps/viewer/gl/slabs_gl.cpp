@@ -104,6 +104,7 @@ void GlSlabs::draw_layers(const GlVolume& volume, const GlProgram& program, int 
     program.set("slabs", as_float(volume.slabs()));
     program.set("first_slab", as_float(slab));
     program.set("layers", as_float(in_pass));
+    program.set("central", 0.0f);
     program.set("first_row", as_float(first));
     draw_gaussians(volume.field->vertex_array(), volume.model->size());
 }
@@ -147,6 +148,7 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     program.set("columns", light_.low, light_.high, light_.per_range, light_.per_part);
     program.set("unit", 1.0f);
     program.set("rounding", kRounding);
+    program.set("central", 0.0f);
     program.set("size_px", f(frame.width), f(frame.height));
     program.set("jitter_px", f(jitter.x), f(jitter.y));
     program.set("first_row", f(first));

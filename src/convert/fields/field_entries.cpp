@@ -9,7 +9,7 @@
 
 #include "convert/moments/covariance_adjugate.h"
 #include "core/paging.h"
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 
 namespace vog::joint {
 

@@ -12,8 +12,8 @@
 #include "convert/lod/mean_octree.h"
 #include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
-#include "data/field_arrays.h"
-#include "data/field_limits.h"
+#include "data/fields/field_arrays.h"
+#include "data/fields/field_limits.h"
 #include "data/hierarchy_links.h"
 #include "vog/error.h"
 

@@ -10,8 +10,8 @@
 #include "convert/lod/field_moments.h"
 #include "convert/particles/moment_tree.h"
 #include "core/parallel.h"
-#include "data/field_arrays.h"
-#include "data/field_limits.h"
+#include "data/fields/field_arrays.h"
+#include "data/fields/field_limits.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -15,7 +15,7 @@
 
 #include "core/morton.h"
 #include "core/parallel.h"
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 
 namespace vog::lod {
 

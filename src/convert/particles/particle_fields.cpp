@@ -11,7 +11,7 @@
 #include "convert/lod/field_moments.h"
 #include "core/paging.h"
 #include "core/parallel.h"
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 #include "vog/error.h"
 #include "vog/value_counts.h"
 

@@ -12,8 +12,8 @@
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
-#include "data/field_arrays.h"
-#include "data/field_limits.h"
+#include "data/fields/field_arrays.h"
+#include "data/fields/field_limits.h"
 #include "data/hierarchy_links.h"
 #include "io/exchange/finite_splats.h"
 #include "io/exchange/splat_density.h"

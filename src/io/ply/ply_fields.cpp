@@ -7,7 +7,7 @@
 #include <charconv>
 #include <sstream>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "vog/error.h"
 #include "vog/text.h"
 

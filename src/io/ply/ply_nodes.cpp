@@ -8,7 +8,7 @@
 #include <istream>
 #include <ostream>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "vog/distributed.h"
 
 namespace vog::ply {

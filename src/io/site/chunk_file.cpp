@@ -8,7 +8,8 @@
 #include <limits>
 #include <numeric>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
+#include "data/fields/field_limits.h"
 #include "io/site/chunk_name.h"
 #include "io/vogz/chunk_fields.h"
 #include "io/vogz/chunk_shapes.h"
@@ -192,6 +193,7 @@ Gaussians read_chunk(const std::filesystem::path& folder, const Row& row,
     std::ranges::for_each(chunk.fields.vector, read);
     chunk.source = file.string();
     validate(chunk);
+    limit_planes(chunk);  // of older versions, and rounded ones
     if (chunk.cutoff != model.description.cutoff)
         throw Error(fmt::format("{}: damaged: a cutoff of {}, expected {}", file.string(),
                                 chunk.cutoff, model.description.cutoff));

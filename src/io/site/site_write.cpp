@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "core/atomic_file.h"
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "io/site/chunk_file.h"
 #include "io/site/chunk_name.h"

@@ -10,8 +10,8 @@
 #include <tuple>
 
 #include "core/parallel.h"
-#include "data/field_arrays.h"
-#include "data/field_limits.h"
+#include "data/fields/field_arrays.h"
+#include "data/fields/field_limits.h"
 #include "data/hierarchy_links.h"
 #include "io/model_part.h"
 #include "io/vogz/chunk_fields.h"

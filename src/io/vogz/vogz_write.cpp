@@ -13,7 +13,7 @@
 #include "core/atomic_file.h"
 #include "core/morton.h"
 #include "core/parallel.h"
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "io/vogz/chunk_fields.h"
 #include "io/vogz/chunk_shapes.h"

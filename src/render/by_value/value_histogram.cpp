@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 
 namespace vog::by_value {
 

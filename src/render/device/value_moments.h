@@ -94,20 +94,23 @@ VOG_HD void composite(const float light[4], float tau, SeenLight& seen) {
 /// Steps of a slab that absorbs much, in which the moments go over to those of its neighbours: surfaces are found
 /// between means of slabs.
 constexpr int32_t kSurfaceSteps = 6;
-/// Optical depth of a slab from which on it is divided into steps.
+/// Optical depth of a slab from which on it is divided into steps: these reach its neighbours at twice that, so that pictures
+/// have no edge where it is passed.
 constexpr float kSurfaceDepth = 0.2f;
+VOG_HD float division_of(float depth) { return fminf(depth / kSurfaceDepth - 1, 1.0f); }
 /// Transmittance that hides everything behind.
 constexpr float kDarkTransmittance = 1e-6f;
 
 /// Step k of a slab, before scale and shift: between the means of slabs weights, means and spreads are linear.
+/// division  0 to 1, of the way to the neighbours
 VOG_HD ValueMoments step_between(const ValueMoments& own, const ValueMoments& before,
-                                 const ValueMoments& behind, int32_t k) {
-    const float at = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
+                                 const ValueMoments& behind, float division, int32_t k) {
+    const float at = division * ((static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f);
     const ValueMoments& other = at < 0 ? before : behind;
     const float share = fabsf(at), rest = 1 - share;
     const float beside = other.tau * share, tau = own.tau * rest + beside;
     const float of = beside / tau, left = 1 - of;
-    const float change = other.tau > 0 ? other.mean - own.mean : 0;
+    const float change = other.tau > 0 ? division * (other.mean - own.mean) : 0;
     // Less the variance in a slab of means that change linearly from slab to slab.
     const float variance =
         of * other.variance + left * own.variance - change * change * (1.0f / 12);
@@ -123,15 +126,16 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
     float color[4];
     light_of(light, look, own, towards_eye, color);
     if (color[3] * own.tau < kSurfaceDepth) return composite(color, own.tau, seen);
+    const float division = division_of(color[3] * own.tau);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;
     for (int32_t k = 0; k < kSurfaceSteps; ++k) {
-        const ValueMoments step = step_between(own, before, behind, k);
+        const ValueMoments step = step_between(own, before, behind, division, k);
         whole += step.tau, first += step.tau * step.mean;
     }
     const float scale = own.tau / whole, shift = own.mean - first / whole;
     for (int32_t k = 0; k < kSurfaceSteps && seen.passed >= kDarkTransmittance; ++k) {
-        ValueMoments step = step_between(own, before, behind, k);
+        ValueMoments step = step_between(own, before, behind, division, k);
         step.tau *= scale, step.mean += shift;
         light_of(light, look, step, towards_eye, color);
         composite(color, step.tau, seen);

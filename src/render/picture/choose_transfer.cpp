@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 

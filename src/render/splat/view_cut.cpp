@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "vog/error.h"
 #include "vog/lod.h"
 

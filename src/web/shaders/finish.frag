@@ -9,6 +9,7 @@ uniform int exact;              // 1: the closed form: bands are narrower than t
 uniform vec4 columns;           // MeanLight: low, high, per_range, per_part
 uniform float unit;             // factor of the light
 uniform float rounding;         // of sums
+uniform float central;          // 1: of slab.frag
 uniform vec2 size_px, jitter_px;
 uniform float first_row;        // of the image, in the target's row 0
 uniform float pixels_per_unit;
@@ -36,7 +37,8 @@ struct Moments {
 Moments moments_of(vec4 sum, vec3 gradient) {
     if (!(sum.x > 0.0)) return Moments(0.0, 0.0, 0.0, 0.0, vec3(0.0));
     vec3 m = sum.yzw / sum.x;
-    return Moments(sum.x, m.x, max(m.y * (1.0 - rounding) - m.x * m.x, 0.0), m.z - m.x * (3.0 * m.y - 2.0 * m.x * m.x), gradient);
+    float raw = 1.0 - central;
+    return Moments(sum.x, m.x, max(m.y * (1.0 - rounding) - raw * m.x * m.x, 0.0), m.z - raw * m.x * (3.0 * m.y - 2.0 * m.x * m.x), gradient);
 }
 
 vec4 table_at(float mean, float row) {
@@ -90,9 +92,9 @@ void composite(vec4 light, float tau) {
 }
 
 // Between the means of slabs weights, means and spreads are linear; less the variance in a slab of means that change so.
-Moments step_between(Moments own, Moments other, float share) {
-    float rest = 1.0 - share, beside = other.tau * share, tau = own.tau * rest + beside, of = beside / tau;
-    float change = other.tau > 0.0 ? other.mean - own.mean : 0.0;
+Moments step_between(Moments own, Moments other, float division, float at) {
+    float share = division * at, rest = 1.0 - share, beside = other.tau * share, tau = own.tau * rest + beside, of = beside / tau;
+    float change = other.tau > 0.0 ? division * (other.mean - own.mean) : 0.0;
     return Moments(tau, mix(own.mean, other.mean, of), max(mix(own.variance, other.variance, of) - change * change / 12.0, 0.0),
                    mix(own.third, other.third, of), share * other.gradient + rest * own.gradient);
 }
@@ -104,13 +106,14 @@ void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, flo
         composite(light, own.tau * slant);
         return;
     }
+    float division = min(light.a * own.tau * slant / kSurfaceDepth - 1.0, 1.0);
     // Steps together have the slab's weight and mean.
     Moments steps[kSteps];
     float whole = 0.0, first = 0.0;
     for (int k = 0; k < kSteps; ++k) {
         float at = (float(k) + 0.5) / float(kSteps) - 0.5;
-        if (at < 0.0) steps[k] = step_between(own, before, -at);
-        else steps[k] = step_between(own, behind, at);
+        if (at < 0.0) steps[k] = step_between(own, before, division, -at);
+        else steps[k] = step_between(own, behind, division, at);
         whole += steps[k].tau, first += steps[k].tau * steps[k].mean;
     }
     for (int k = 0; k < kSteps; ++k) {

@@ -14,6 +14,7 @@ flat in vec3 rest;
 
 uniform highp sampler2D ranges;  // of all depths: minus the least, the largest
 uniform float slabs, first_slab;
+uniform float central;  // 1: moments of the residual alone, for sums in half floats, whose differences would be noise
 
 layout(location = 0) out vec4 layer_0;
 layout(location = 1) out vec4 layer_1;
@@ -39,8 +40,8 @@ void main() {
     float before = normal_to(edge[0]);
     vec4 sum[kSlabs];
     for (int n = 0; n < kSlabs; ++n) {
-        float after = normal_to(edge[n + 1]), phi = at + 0.5 * (edge[n] + edge[n + 1]) * change, square = phi * phi;
-        sum[n] = chord.peak * max(after - before, 0.0) * vec4(1.0, phi, square + rest.x, (square + 3.0 * rest.x) * phi + rest.y);
+        float after = normal_to(edge[n + 1]), phi = at + 0.5 * (edge[n] + edge[n + 1]) * change, raw = (1.0 - central) * phi;
+        sum[n] = chord.peak * max(after - before, 0.0) * vec4(1.0, phi, raw * phi + rest.x, (raw * phi + 3.0 * rest.x) * raw + rest.y);
         before = after;
     }
 #if defined(MEANS)

@@ -272,8 +272,7 @@ TEST(add_fields, a_vector_field_is_three_scalar_ones_and_their_products) {
     Gaussians model = convert_moments(volume, options);
     add(model, volume, field_of("velocity", volume, x, y, z));
     add(model, volume, unlimited(field_of("x", volume, x)));
-    add(model, volume,
-        unlimited(field_of("sum", volume, [&](Vec3d p) { return x(p) + y(p); })));
+    add(model, volume, unlimited(field_of("sum", volume, [&](Vec3d p) { return x(p) + y(p); })));
     const VectorField& v = model.fields.vector[0];
     const ScalarField &vx = model.fields.scalar[0], &sum = model.fields.scalar[1];
     for (std::size_t i = 0; i < model.size(); ++i) {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "io/site/chunk_file.h"
 #include "io/site/tree/chunk_tree.h"
 #include "io/site/tree/subtree_message.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <type_traits>
 
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "vog/error.h"
 
 namespace vog::site {

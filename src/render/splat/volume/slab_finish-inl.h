@@ -277,22 +277,24 @@ HWY_INLINE NeighbourLanes<V> neighbour(D d, const SlabCell& cell, int slab, std:
 
 /// Moments of the steps of a slab: between the means of slabs weights, means and spreads are linear, and steps
 /// together have the slab's weight and mean.
+/// division  device::division_of
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void divide_slab(D d, const MomentLanes<V>& own, const NeighbourLanes<V> (&beside)[2],
-                            MomentLanes<V> (&steps)[kSurfaceSteps]) {
+                            V division, MomentLanes<V> (&steps)[kSurfaceSteps]) {
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
+    const V trend_share = hn::Mul(division, division);
     V whole = zero, first = zero;
     for (int k = 0; k < kSurfaceSteps; ++k) {
         const float at = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
         const NeighbourLanes<V>& other = beside[at < 0 ? 0 : 1];
-        const V share = hn::Set(d, std::abs(at)), rest = hn::Set(d, 1 - std::abs(at));
+        const V share = hn::Mul(division, hn::Set(d, std::abs(at))), rest = hn::Sub(one, share);
         const V b = hn::Mul(other.m.tau, share), tau = hn::MulAdd(own.tau, rest, b);
         const V of = hn::Div(b, hn::Max(tau, least)), left = hn::Sub(one, of);
         MomentLanes<V>& m = steps[k];
         m.tau = tau;
         m.mean = hn::MulAdd(of, other.m.mean, hn::Mul(left, own.mean));
         const V variance = hn::MulAdd(of, other.m.variance, hn::Mul(left, own.variance));
-        m.variance = hn::Max(hn::Sub(variance, other.trend), zero);
+        m.variance = hn::Max(hn::NegMulAdd(trend_share, other.trend, variance), zero);
         m.third = hn::MulAdd(of, other.m.third, hn::Mul(left, own.third));
         for (int c = 0; c < 3; ++c)
             m.gradient[c] = hn::MulAdd(share, other.m.gradient[c], hn::Mul(rest, own.gradient[c]));
@@ -332,7 +334,9 @@ HWY_INLINE bool composite_slab(D d, const SlabLight& light, int slab, const Cell
             const NeighbourLanes<V> beside[2] = {neighbour(d, cell, slab - 1, n, own),
                                                  neighbour(d, cell, slab + 1, n, own)};
             MomentLanes<V> steps[kSurfaceSteps];
-            divide_slab(d, own, beside, steps);
+            const V one = hn::Set(d, 1.0f);
+            const V division = hn::Min(hn::MulSub(depth, hn::Set(d, 1 / kSurfaceDepth), one), one);
+            divide_slab(d, own, beside, hn::Max(division, zero), steps);
             SeenLanes<V> divided = before;
             for (const MomentLanes<V>& step : steps) {
                 const auto open = hn::And(surface, hn::Ge(divided.passed, dark));

@@ -1,18 +1,11 @@
 // fields.js: fields of a compact model as GPU instances.
 import { openedModel } from './gaussians.js';
-import { chunkField, fileField } from './vogz.js';
+import { axesOf, chunkField, fileField } from './vogz.js';
 
 /** Floats per instance of a scalar field: value, change along each own axis, deviation, skewness. */
 export const scalarFloats = 6;
 /** Of a vector field: value and changes of each component, covariance xx xy xz yy yz zz, deviations. */
 export const vectorFloats = 21;
-
-/** Columns of the rotation of a quaternion w x y z. */
-function axesOf([w, x, y, z]) {
-  return [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
-    [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
-    [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]];
-}
 
 /** Writes Gaussian n of a field in the page's units: the argument of chunkField. */
 function setter(out, first, { vector, reference, scale }) {
@@ -55,6 +48,6 @@ export async function decodeField(source, field, page) {
 /** The same of a chunk whose field has a file of its own; both are bytes. */
 export async function decodeFieldFile(shapes, field, page) {
   const file = await openedModel(shapes), out = empty(file, page);
-  await fileField(file, field, page.vector, setter(out, 0, page));
+  await fileField(file, field, page.vector, [page.reference - page.scale, page.reference + page.scale], setter(out, 0, page));
   return out;
 }

@@ -200,12 +200,41 @@ async function fieldColumns(from, count, vector, { scale, step }) {
   return { roots, values, changes, shares };
 }
 
-/** Field of the Gaussians of a chunk, set from `first` on. */
-async function setField(file, chunk, from, first, vector, source, set) {
+/** Columns of the rotation of a quaternion w x y z. */
+export function axesOf([w, x, y, z]) {
+  return [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+    [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+    [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]];
+}
+
+/** Variance along an axis within a cutoff, for a deviation of 1 (vog/gaussians.h). */
+function varianceWithin(cutoff) {
+  let [mass, second] = [0, 0];
+  for (let n = 0.5; n < 4096; ++n) {
+    const r2 = ((n * cutoff) / 4096) ** 2, shell = r2 * Math.exp(-0.5 * r2);
+    mass += shell, second += r2 * shell;
+  }
+  return second / (3 * mass);
+}
+
+/** Limits the plane of a scalar field to the field's range, as data/fields/field_limits.h does. */
+function limit({ value, deviation, gradient, share }, scales, axes, [lower, upper], cutoff, within) {
+  const [g] = gradient, room = Math.max(Math.min(upper - value[0], value[0] - lower), 0);
+  const variance = axes.reduce((sum, axis, k) => sum + ((axis[0] * g[0] + axis[1] * g[1] + axis[2] * g[2]) * scales[k]) ** 2, 0);
+  const extent = cutoff * Math.sqrt(variance);
+  if (!(upper > lower && extent > room * (1 + 1e-5) + 1e-6 * Math.abs(value[0]))) return;
+  const kept = room / extent, rest = Math.hypot(deviation[0], Math.sqrt((1 - kept * kept) * within * variance));
+  for (let k = 0; k < 3; ++k) g[k] *= kept;
+  share[0] *= (deviation[0] / rest) ** 3;
+  deviation[0] = rest;
+}
+
+/** Field of the Gaussians of a chunk, set from `first` on; range: of a scalar field. */
+async function setField(file, chunk, from, first, vector, source, range, set) {
   const { roots, values, changes, shares } = await fieldColumns(from, chunk.count, vector, source), { reference, scale, step } = source;
   const shapes = await shapeColumns(file, chunk), parts = vector ? [0, 1, 2] : [0];
   // Rounding may leave correlations that no data has; a share of the unit matrix makes up for it.
-  const [most, shrink] = vector ? [1, 1 / (1 + step * shareSteps)] : [3, 1];
+  const [most, shrink] = vector ? [1, 1 / (1 + step * shareSteps)] : [3, 1], within = varianceWithin(file.cutoff);
   const one = { value: [], deviation: [], gradient: parts.map(() => [0, 0, 0]), share: [] };
   eachShape(file, shapes, chunk.count, (n, scales, quaternion) => {
     const spread = spreadOf(file, shapes, n);
@@ -215,6 +244,7 @@ async function setField(file, chunk, from, first, vector, source, set) {
       for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][n] / spread;
     }
     shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[n])); });
+    if (!vector) limit(one, scales, axesOf(quaternion), range, file.cutoff, within);
     set(first + n, scales, quaternion, one);
   });
 }
@@ -227,12 +257,12 @@ async function setField(file, chunk, from, first, vector, source, set) {
 export async function chunkField(file, chunk, field, set) {
   const source = file.fields[field], vector = source.kind === 'vector';
   const from = checked(chunk.fields[field]);
-  await setField(file, chunk, from, 0, vector, source, set);
+  await setField(file, chunk, from, 0, vector, source, [source.lower, source.upper], set);
   if (!from.ended) throw new Damaged();
 }
 
 /** The same of a whole model whose field is a file of a site's chunk (docs/streaming.md). */
-export async function fileField(file, bytes, vector, set) {
+export async function fileField(file, bytes, vector, range, set) {
   const from = new Bytes(bytes);
   if (fieldMagic.some((byte) => byte !== from.u8())) throw new Damaged();
   const found = from.u32();
@@ -242,7 +272,7 @@ export async function fileField(file, bytes, vector, set) {
   const source = { reference: from.f64(), scale: from.f64(), step: from.f64() };
   let first = 0;
   for (const chunk of file.chunks) {
-    await setField(file, chunk, from, first, vector, source, set);
+    await setField(file, chunk, from, first, vector, source, range, set);
     first += chunk.count;
   }
   if (!from.ended) throw new Damaged();

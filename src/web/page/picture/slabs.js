@@ -108,6 +108,7 @@ export class Slabs {
     used.set('slabs', what.slabs);
     used.set('first_slab', slab);
     used.set('layers', slabsOf[word]);
+    used.set('central', renderer.format.bits === 32 ? 0 : 1);
     used.set('first_row', first);
     for (const one of parts) renderer.draw(renderer.instancesOf(one, what.field, ''), one.count);
   }
@@ -158,7 +159,8 @@ export class Slabs {
     used.setInteger('exact', light.exact ? 1 : 0);
     used.set('columns', ...light.columns);
     used.set('unit', light.most / model.extinction);
-    used.set('rounding', renderer.format.bits === 32 ? 4e-7 : 1e-3);
+    used.set('rounding', 4e-7);
+    used.set('central', renderer.format.bits === 32 ? 0 : 1);
     used.set('lighting', ...(on ? weights : [0, 0, 0, 0]));
     const to = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
     used.set('towards_light', dot(to, right), dot(to, up), dot(to, forward));

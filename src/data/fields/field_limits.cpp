@@ -1,6 +1,6 @@
 // field_limits.cpp: The limiter of T. J. Barth and D. C. Jespersen, "The design and application of upwind schemes on
 // unstructured meshes" (1989), for the planes of Gaussians.
-#include "data/field_limits.h"
+#include "data/fields/field_limits.h"
 
 #include <algorithm>
 #include <cmath>

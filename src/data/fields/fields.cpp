@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "core/paging.h"
-#include "data/field_arrays.h"
+#include "data/fields/field_arrays.h"
 #include "vog/error.h"
 #include "vog/text.h"
 
