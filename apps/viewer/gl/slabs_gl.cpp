@@ -147,6 +147,7 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     program.set("exact", exact_ ? 1 : 0);
     program.set("columns", light_.low, light_.high, light_.per_range, light_.per_part);
     program.set("unit", 1.0f);
+    program.set("parts_per_cell", as_float(volume.slabs()) / device::kDepthCells);
     program.set("rounding", kRounding);
     program.set("central", 0.0f);
     program.set("size_px", f(frame.width), f(frame.height));

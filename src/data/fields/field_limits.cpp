@@ -10,13 +10,17 @@
 
 namespace vog {
 
-double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i) {
-    const Vec3d g = vec_cast<double>(field.gradient[i]);
-    const Vec3d own =
-        gaussians.axis_aligned() ? g : transpose(matrix_from_quat(gaussians.rotation[i])) * g;
+double variance_along(const Gaussians& gaussians, std::size_t i, Vec3d direction) {
+    const Vec3d own = gaussians.axis_aligned()
+                          ? direction
+                          : transpose(matrix_from_quat(gaussians.rotation[i])) * direction;
     const Vec3d s = vec_cast<double>(gaussians.scale[i]);
     const Vec3d across{own.x * s.x, own.y * s.y, own.z * s.z};
     return dot(across, across);
+}
+
+double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i) {
+    return variance_along(gaussians, i, vec_cast<double>(field.gradient[i]));
 }
 
 void limit_planes(Gaussians& model) {

@@ -7,6 +7,8 @@
 
 namespace vog {
 
+/// Variance of position along a direction of Gaussian i, times its length squared, without truncation.
+double variance_along(const Gaussians& gaussians, std::size_t i, Vec3d direction);
 /// Variance of the field's plane over Gaussian i of the model, without its truncation.
 double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i);
 

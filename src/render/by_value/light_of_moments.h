@@ -33,10 +33,12 @@ class LightOfMoments {
 
     /// Mean light per unit of the measure and world unit, times the unit: extinction times red, green and blue, and
     /// extinction. Valid while this lives, unchanged.
-    device::MeanLight mean_light() const {
+    /// slabs  of the picture; 0: values are mixed
+    device::MeanLight mean_light(int slabs = 0) const {
         device::MeanLight out = shape_;
         out.pieces = {pieces_.data(), static_cast<std::int32_t>(pieces_.size())};
         out.table = resolved_ ? table_.data() : nullptr;
+        out.parts_per_cell = static_cast<float>(slabs) / device::kDepthCells;
         return out;
     }
     const std::vector<device::LightPiece>& pieces() const { return pieces_; }

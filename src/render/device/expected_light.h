@@ -33,6 +33,10 @@ struct LightPieces {
     VOG_HD void light(float mean, float deviation, float out[4]) const;
 };
 
+/// Cells over the depths of a picture. The two values of a pair lie side by side in a cell: matter of one hides nothing
+/// of the other, where a mixture would be opaque before the surface of what is opaque in it.
+constexpr int32_t kDepthCells = 32;
+
 /// Mean light of a transfer function, by its table where that follows it.
 struct MeanLight {
     static constexpr int32_t kColumns = 1024, kOctaves = 20, kRows = kOctaves + 1;
@@ -46,6 +50,7 @@ struct MeanLight {
     /// Half of the columns lie over the whole range, half over the part of it where the transfer function changes:
     /// position = mean per_range + (clamp(mean, low, high) - low) per_part, 0 to 1.
     float low, high, per_range, per_part;
+    float parts_per_cell = 0;  ///< slabs, or other parts of the depth; 0: values are mixed
 
     VOG_HD float position(float mean) const {
         return mean * per_range + (fminf(fmaxf(mean, low), high) - low) * per_part;

@@ -61,16 +61,31 @@ VOG_HD NormalPair normal_pair(const ValueMoments& m) {
             0.5f * (1 - u / root)};
 }
 
+/// Optical depth of a cell below which that is the same to 1 %.
+constexpr float kThinCell = 0.02f;
+
+/// Share of the light of a pair that is seen in a cell: -ln of the cell's mean transmittance, by its mean optical depth.
+/// high, low  optical depths of cells of one value
+VOG_HD float seen_share(float high, float low, float of_high) {
+    const float mean = low + of_high * (high - low);
+    if (!(mean > kThinCell)) return 1;
+    const float passed = of_high * expf(-high) + (1 - of_high) * expf(-low);
+    return -logf(fmaxf(passed, 1e-30f)) / mean;
+}
+
 /// Mean light per unit of tau, shaded.
 /// m            tau > 0
+/// division     of the part that has parts_per_cell: how many of these it would take
 /// towards_eye  unit length
 VOG_HD void light_of(const MeanLight& light, const BlinnPhong& look, const ValueMoments& m,
-                     Double3 towards_eye, float out[4]) {
+                     float division, Double3 towards_eye, float out[4]) {
     const NormalPair pair = normal_pair(m);
     float low[4];
     light.light(pair.high, pair.variance, out);
     light.light(pair.low, pair.variance, low);
-    for (int c = 0; c < 4; ++c) out[c] = low[c] + pair.of_high * (out[c] - low[c]);
+    const float cell = m.tau * light.parts_per_cell * division;
+    const float seen = seen_share(out[3] * cell, low[3] * cell, pair.of_high);
+    for (int c = 0; c < 4; ++c) out[c] = seen * (low[c] + pair.of_high * (out[c] - low[c]));
     if (!look.on) return;
     const Shading by = look.shading(to_double(m.gradient), towards_eye);
     const float body = static_cast<float>(by.body), shine = static_cast<float>(by.shine);
@@ -124,7 +139,7 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
                            Double3 towards_eye, SeenLight& seen) {
     if (!(own.tau > 0) || seen.passed < kDarkTransmittance) return;
     float color[4];
-    light_of(light, look, own, towards_eye, color);
+    light_of(light, look, own, 1, towards_eye, color);
     if (color[3] * own.tau < kSurfaceDepth) return composite(color, own.tau, seen);
     const float division = division_of(color[3] * own.tau);
     // Steps together have the slab's weight and mean.
@@ -137,7 +152,7 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
     for (int32_t k = 0; k < kSurfaceSteps && seen.passed >= kDarkTransmittance; ++k) {
         ValueMoments step = step_between(own, before, behind, division, k);
         step.tau *= scale, step.mean += shift;
-        light_of(light, look, step, towards_eye, color);
+        light_of(light, look, step, kSurfaceSteps, towards_eye, color);
         composite(color, step.tau, seen);
     }
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "data/fields/field_limits.h"
 #include "render/by_value/lighting.h"
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_field.h"
@@ -174,15 +175,29 @@ RaySteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
     return {std::move(sums), length * model.unit};
 }
 
+/// Depth of a cell of a picture (device::kDepthCells), world units.
+double cell_depth(const Gaussians& gaussians, const CameraFrame& frame, double cutoff) {
+    double near = std::numeric_limits<double>::infinity(), far = 0;
+    for (std::size_t i = 0; i < gaussians.size(); ++i) {
+        const double depth = dot(vec_cast<double>(gaussians.mean[i]) - frame.eye, frame.forward);
+        const double reach = cutoff * std::sqrt(variance_along(gaussians, i, frame.forward));
+        near = std::min(near, std::max(depth - reach, 0.0));
+        far = std::max(far, depth + reach);
+    }
+    return std::max(far - near, 0.0) / device::kDepthCells;
+}
+
 /// Emission and absorption, front to back, by the closed form of mean light.
-Rgba composited(const RaySteps& steps, const device::MeanLight& light,
-                const device::BlinnPhong& look, device::Double3 towards_eye) {
+/// cell  length of a cell on the ray, world units
+Rgba composited(const RaySteps& steps, device::MeanLight light, const device::BlinnPhong& look,
+                double cell, device::Double3 towards_eye) {
     device::SeenLight seen{{0, 0, 0}, 1};
+    if (steps.length > 0) light.parts_per_cell = static_cast<float>(cell / steps.length);
     for (const MomentSums& sums : steps.sums) {
         if (!(sums.tau > 0)) continue;
         const device::ValueMoments moments = sums.moments();
         float color[4];
-        device::light_of(light, look, moments, towards_eye, color);
+        device::light_of(light, look, moments, 1, towards_eye, color);
         device::composite(color, moments.tau, seen);
     }
     return {seen.color[0], seen.color[1], seen.color[2], 1 - seen.passed};
@@ -271,7 +286,7 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
                                 int height, const TraceOptions& options,
                                 const TraceSceneOptions& scene, const VolumeLook& look) {
     const ScalarField& values = volume_field(gaussians, field);
-    (void)frame_of(camera, width, height);  // checks the size
+    const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians.origin);
     VolumeImage image{width, height, {}};
     image.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                        Rgba{0, 0, 0, 0});
@@ -279,9 +294,12 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
     device::MeanLight light = made.mean_light();
     light.table = nullptr;
     const device::BlinnPhong shading = blinn_phong(look);
+    const double cell = cell_depth(gaussians, frame, double{gaussians.cutoff});
     trace_sums(gaussians, values, {camera, width, height, options, scene, look},
                [&](std::size_t pixel, const RaySteps& steps, Vec3d direction) {
-                   image.pixel[pixel] = composited(steps, light, shading, plain(-1.0 * direction));
+                   image.pixel[pixel] =
+                       composited(steps, light, shading, cell / dot(direction, frame.forward),
+                                  plain(-1.0 * direction));
                });
     return image;
 }

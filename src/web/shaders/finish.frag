@@ -8,6 +8,7 @@ uniform highp sampler2D table;  // of table.frag
 uniform int exact;              // 1: the closed form: bands are narrower than the table's columns
 uniform vec4 columns;           // MeanLight: low, high, per_range, per_part
 uniform float unit;             // factor of the light
+uniform float parts_per_cell;   // of value_moments.h
 uniform float rounding;         // of sums
 uniform float central;          // 1: of slab.frag
 uniform vec2 size_px, jitter_px;
@@ -49,23 +50,31 @@ vec4 table_at(float mean, float row) {
     return mix(above, below, row - float(at.y));
 }
 
+// Of two values side by side in a cell, whose tau is given: seen_share of value_moments.h.
+vec4 seen(vec4 low, vec4 high, float share, float cell) {
+    float mean = cell * mix(low.a, high.a, share);
+    float passed = mix(exp(-cell * low.a), exp(-cell * high.a), share);
+    return (mean > 0.02 ? -log(max(passed, 1e-30)) / mean : 1.0) * mix(low, high, share);
+}
+
 // Light per unit of tau at two means of one variance, the first weighted by a share.
-vec4 pair_light(vec2 means, float variance, float share) {
+vec4 pair_light(vec2 means, float variance, float share, float cell) {
     means = clamp(means, 0.0, 1.0);
-    if (exact == 1) return mix(expected_light(means.y, sqrt(variance)), expected_light(means.x, sqrt(variance)), share);
+    if (exact == 1) return seen(expected_light(means.y, sqrt(variance)), expected_light(means.x, sqrt(variance)), share, cell);
     // The bits of a float above a power of two count octaves, linear between them.
     float row = variance <= kLeastVariance ? variance / kLeastVariance
               : 1.0 + float(floatBitsToInt(min(variance, kMostVariance)) - floatBitsToInt(kLeastVariance)) / 8388608.0;
-    return mix(table_at(means.y, row), table_at(means.x, row), share);
+    return seen(table_at(means.y, row), table_at(means.x, row), share, cell);
 }
 
-vec4 mean_light(Moments m) {
-    if (!(m.variance > max(1e-5, 25.0 * rounding))) return pair_light(vec2(m.mean), m.variance, 0.5);
+vec4 mean_light(Moments m, float slant) {
+    float cell = unit * m.tau * slant * parts_per_cell;
+    if (!(m.variance > max(1e-5, 25.0 * rounding))) return pair_light(vec2(m.mean), m.variance, 0.5, cell);
     float deviation = sqrt(m.variance);
     float u = clamp(m.third / (m.variance * deviation), -kMostSkewness, kMostSkewness) / (kShare * kShare * kShare);
     float root = sqrt(u * u + 4.0);
     return pair_light(m.mean + 0.5 * kShare * deviation * vec2(u + root, u - root), (1.0 - kShare * kShare) * m.variance,
-                      0.5 * (1.0 - u / root));
+                      0.5 * (1.0 - u / root), cell);
 }
 
 // Blinn and Phong's shading (render/device/shading.h), along the camera's axes; at most what is absorbed.
@@ -101,7 +110,7 @@ Moments step_between(Moments own, Moments other, float division, float at) {
 
 void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, float slant) {
     if (!(own.tau > 0.0)) return;
-    vec4 light = unit * shaded(mean_light(own), own.gradient, towards_eye);
+    vec4 light = unit * shaded(mean_light(own, slant), own.gradient, towards_eye);
     if (light.a * own.tau * slant < kSurfaceDepth) {
         composite(light, own.tau * slant);
         return;
@@ -118,8 +127,8 @@ void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, flo
     }
     for (int k = 0; k < kSteps; ++k) {
         Moments m = steps[k];
-        m.mean += own.mean - first / whole;
-        composite(unit * shaded(mean_light(m), m.gradient, towards_eye), m.tau * own.tau / whole * slant);
+        m.mean += own.mean - first / whole, m.tau *= own.tau / whole;
+        composite(unit * shaded(mean_light(m, float(kSteps) * slant), m.gradient, towards_eye), m.tau * slant);
     }
 }
 

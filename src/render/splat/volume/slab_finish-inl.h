@@ -111,18 +111,33 @@ HWY_INLINE void set_columns(D d, const device::MeanLight& table, hn::Vec<D> mean
     hn::Store(hn::Sub(x, hn::ConvertTo(d, at)), d, right);
 }
 
+/// device::seen_share: depths of cells.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V seen_share(D d, V high, V low, V of_high) {
+    const V one = hn::Set(d, 1.0f), thin = hn::Set(d, device::kThinCell);
+    const V mean = hn::MulAdd(of_high, hn::Sub(high, low), low);
+    const auto mixed = hn::Gt(mean, thin);
+    if (hn::AllFalse(d, mixed)) return one;
+    const V through = hn::Exp(d, hn::Neg(low));
+    const V passed = hn::MulAdd(of_high, hn::Sub(hn::Exp(d, hn::Neg(high)), through), through);
+    const V seen = hn::Neg(hn::Log(d, hn::Max(passed, hn::Set(d, 1e-30f))));
+    return hn::IfThenElse(mixed, hn::Div(seen, hn::Max(mean, thin)), one);
+}
+
 /// Light of pairs, per unit of tau; of lanes that do not count, 0. Pixel by pixel: a pixel's four channels lie side by
 /// side in the table, and gathers of them took four times as long.
+/// cell  tau of a cell of such matter
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const MomentLanes<V>& m,
-                                    hn::Mask<D> counts) {
+                                    V cell, hn::Mask<D> counts) {
     using Table = device::MeanLight;
     constexpr std::size_t kMost = TilePixels::kMaxLanes;
     const hn::RebindToSigned<D> di;
     const hn::CappedTag<float, 4> d4;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const PairLanes<V> pair = normal_pair(d, m);
-    alignas(64) float out[4 * kMost] = {}, share[kMost], down[kMost], right[2][kMost];
+    alignas(64) float out[4 * kMost] = {}, extinction[2][kMost] = {}, share[kMost], down[kMost],
+                              right[2][kMost];
     alignas(64) std::int32_t column[2][kMost], row[kMost];
     hn::Store(pair.of_high, d, share);
     alignas(8) std::uint8_t of_mask[8] = {};
@@ -137,6 +152,7 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
             float high[4], low[4];
             light.pieces.light(right[0][n], down[n], high);
             light.pieces.light(right[1][n], down[n], low);
+            extinction[0][n] = high[3], extinction[1][n] = low[3];
             for (std::size_t c = 0; c < 4; ++c)
                 out[4 * n + c] = low[c] + share[n] * (high[c] - low[c]);
         }
@@ -173,6 +189,9 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
                     return hn::MulAdd(hn::Set(d4, down[n]), hn::Sub(b, a), a);
                 };
                 const auto high = at(upper[0], right[0][n]), low = at(upper[1], right[1][n]);
+                constexpr std::size_t kLast = hn::MaxLanes(d4) - 1;
+                extinction[0][n] = hn::ExtractLane(high, kLast);  // of the last of the four
+                extinction[1][n] = hn::ExtractLane(low, kLast);
                 hn::StoreU(hn::MulAdd(hn::Set(d4, share[n]), hn::Sub(high, low), low), d4,
                            out + 4 * n + c);
             }
@@ -180,6 +199,9 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     }
     LightLanes<V> all;
     hn::LoadInterleaved4(d, out, all.c[0], all.c[1], all.c[2], all.c[3]);
+    const V seen = seen_share(d, hn::Mul(cell, hn::Load(d, extinction[0])),
+                              hn::Mul(cell, hn::Load(d, extinction[1])), pair.of_high);
+    for (V& c : all.c) c = hn::Mul(c, seen);
     return all;
 }
 
@@ -226,13 +248,15 @@ struct SeenLanes {
     V c[3], passed;
 };
 /// Composites moments, of lanes that count.
+/// division  as of device::light_of
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V composite_part(D d, const SlabLight& of, const MomentLanes<V>& m, const CellRays& rays,
-                            std::size_t n, hn::Mask<D> counts, SeenLanes<V>& seen) {
+                            std::size_t n, hn::Mask<D> counts, float division, SeenLanes<V>& seen) {
     const V one = hn::Set(d, 1.0f);
-    LightLanes<V> light = mean_light(d, of.light, m, counts);
-    if (of.look.on) shade(d, of.look, m.gradient, rays, n, light);
     const V along = hn::Mul(m.tau, hn::Load(d, rays.length.data() + n));
+    const V cell = hn::Mul(along, hn::Set(d, of.light.parts_per_cell * division));
+    LightLanes<V> light = mean_light(d, of.light, m, cell, counts);
+    if (of.look.on) shade(d, of.look, m.gradient, rays, n, light);
     const V depth = hn::Mul(light.c[3], along);
     // (1 - e^{-depth}) / depth, and e^{-depth}; the series where the difference cancels
     V part = hn::MulAdd(hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
@@ -328,7 +352,7 @@ HWY_INLINE bool composite_slab(D d, const SlabLight& light, int slab, const Cell
         for (std::size_t c = 0; c < 3; ++c) before.c[c] = hn::Load(d, cell.seen[c].data() + n);
         const MomentLanes<V> own = moments_at(d, cell.slab(slab), lit, n);
         SeenLanes<V> seen = before;
-        const V depth = composite_part(d, light, own, rays, n, counts, seen);
+        const V depth = composite_part(d, light, own, rays, n, counts, 1, seen);
         const auto surface = hn::And(counts, hn::Ge(depth, hn::Set(d, kSurfaceDepth)));
         if (!hn::AllFalse(d, surface)) {
             const NeighbourLanes<V> beside[2] = {neighbour(d, cell, slab - 1, n, own),
@@ -341,7 +365,7 @@ HWY_INLINE bool composite_slab(D d, const SlabLight& light, int slab, const Cell
             for (const MomentLanes<V>& step : steps) {
                 const auto open = hn::And(surface, hn::Ge(divided.passed, dark));
                 if (hn::AllFalse(d, open)) break;
-                composite_part(d, light, step, rays, n, open, divided);
+                composite_part(d, light, step, rays, n, open, kSurfaceSteps, divided);
             }
             for (int c = 0; c < 3; ++c)
                 seen.c[c] = hn::IfThenElse(surface, divided.c[c], seen.c[c]);

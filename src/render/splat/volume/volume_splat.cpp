@@ -118,7 +118,7 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
     std::optional<SlabLight> finish;
     if (light)
         drawn.light =
-            &finish.emplace(SlabLight{frame, light->mean_light(), along_view(look, frame)});
+            &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
     drawn.most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
                                           double{drawn.depths.thickness});
     if (processes) return draw_parts(drawn, buffers, *processes, picture.pixel.data());

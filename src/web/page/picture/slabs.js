@@ -159,6 +159,7 @@ export class Slabs {
     used.setInteger('exact', light.exact ? 1 : 0);
     used.set('columns', ...light.columns);
     used.set('unit', light.most / model.extinction);
+    used.set('parts_per_cell', what.slabs / 32);
     used.set('rounding', 4e-7);
     used.set('central', renderer.format.bits === 32 ? 0 : 1);
     used.set('lighting', ...(on ? weights : [0, 0, 0, 0]));
