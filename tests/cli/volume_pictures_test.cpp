@@ -188,7 +188,8 @@ TEST_F(volume_pictures_command, show_the_largest_value) {
                                             " -o m.png --values-out m.npy --color-bar" + side);
         EXPECT_EQ(shown["quantity"], "maximum of density");
         EXPECT_FALSE(shown.contains("extinction"));
-        EXPECT_NEAR(shown["max_t"].get<double>(), 8, 0.2) << input;
+        // Planes of the last cells stay within the range of the data.
+        EXPECT_NEAR(shown["max_t"].get<double>(), 8, 0.3) << input;
         must(std::string("render ") + input + " --values-out m.exr" + side +
              "--clip -1,-1,-1,3.5,9,9");
         EXPECT_NEAR(report(std::string("render ") + input + " -o m.png" + side +

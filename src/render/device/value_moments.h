@@ -35,7 +35,8 @@ VOG_HD ValueMoments moments_of(const float* sum, bool lit) {
 
 /// Two normal distributions with a mean, a variance and a skewness: with u = skewness / kShare³ they lie
 /// kShare (u ± sqrt(u² + 4)) / 2 deviations from the mean, with weights (1 ∓ u / sqrt(u² + 4)) / 2, and have the variance
-/// that is left. Narrow, so that the two can have most skewness; narrower ones miss what lies between.
+/// that is left. Narrow, so that the two can have most skewness; narrower ones miss what lies between. Near an end of the
+/// range they are no wider than its distance: two values that are the ends stay two.
 struct NormalPair {
     static constexpr float kShare = 0.95f, kPerCube = 1 / (kShare * kShare * kShare),
                            kNarrow = 1 - kShare * kShare;
@@ -44,21 +45,24 @@ struct NormalPair {
     static constexpr float kMostSkewness = 3;
 
     float high, low;  ///< means, within the range
-    float variance;   ///< of both
-    float of_high;    ///< weight
+    float high_variance, low_variance;
+    float of_high;  ///< weight
 };
 VOG_HD NormalPair normal_pair(const ValueMoments& m) {
     const float mean = fminf(fmaxf(m.mean, 0.0f), 1.0f);
-    if (!(m.variance > NormalPair::kLeastVariance)) return {mean, mean, m.variance, 0.5f};
+    if (!(m.variance > NormalPair::kLeastVariance))
+        return {mean, mean, m.variance, m.variance, 0.5f};
     const float deviation = sqrtf(m.variance);
     const float skewness =
         fminf(fmaxf(m.third / (m.variance * deviation), -NormalPair::kMostSkewness),
               NormalPair::kMostSkewness);
     const float u = NormalPair::kPerCube * skewness, root = sqrtf(u * u + 4);
     const float half = 0.5f * NormalPair::kShare * deviation;
-    return {fminf(fmaxf(m.mean + half * (u + root), 0.0f), 1.0f),
-            fminf(fmaxf(m.mean + half * (u - root), 0.0f), 1.0f), NormalPair::kNarrow * m.variance,
-            0.5f * (1 - u / root)};
+    const float high = fminf(fmaxf(m.mean + half * (u + root), 0.0f), 1.0f);
+    const float low = fminf(fmaxf(m.mean + half * (u - root), 0.0f), 1.0f);
+    const float above = fminf(high, 1 - high), below = fminf(low, 1 - low);
+    return {high, low, fminf(NormalPair::kNarrow * m.variance, above * above),
+            fminf(NormalPair::kNarrow * m.variance, below * below), 0.5f * (1 - u / root)};
 }
 
 /// Optical depth of a cell below which that is the same to 1 %.
@@ -81,8 +85,8 @@ VOG_HD void light_of(const MeanLight& light, const BlinnPhong& look, const Value
                      float division, Double3 towards_eye, float out[4]) {
     const NormalPair pair = normal_pair(m);
     float low[4];
-    light.light(pair.high, pair.variance, out);
-    light.light(pair.low, pair.variance, low);
+    light.light(pair.high, pair.high_variance, out);
+    light.light(pair.low, pair.low_variance, low);
     const float cell = m.tau * light.parts_per_cell * division;
     const float seen = seen_share(out[3] * cell, low[3] * cell, pair.of_high);
     for (int c = 0; c < 4; ++c) out[c] = seen * (low[c] + pair.of_high * (out[c] - low[c]));

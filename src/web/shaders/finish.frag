@@ -57,24 +57,26 @@ vec4 seen(vec4 low, vec4 high, float share, float cell) {
     return (mean > 0.02 ? -log(max(passed, 1e-30)) / mean : 1.0) * mix(low, high, share);
 }
 
-// Light per unit of tau at two means of one variance, the first weighted by a share.
-vec4 pair_light(vec2 means, float variance, float share, float cell) {
-    means = clamp(means, 0.0, 1.0);
-    if (exact == 1) return seen(expected_light(means.y, sqrt(variance)), expected_light(means.x, sqrt(variance)), share, cell);
+// Light per unit of tau.
+vec4 normal_light(float mean, float variance) {
+    if (exact == 1) return expected_light(mean, sqrt(variance));
     // The bits of a float above a power of two count octaves, linear between them.
-    float row = variance <= kLeastVariance ? variance / kLeastVariance
-              : 1.0 + float(floatBitsToInt(min(variance, kMostVariance)) - floatBitsToInt(kLeastVariance)) / 8388608.0;
-    return seen(table_at(means.y, row), table_at(means.x, row), share, cell);
+    return table_at(mean, variance <= kLeastVariance ? variance / kLeastVariance
+                        : 1.0 + float(floatBitsToInt(min(variance, kMostVariance)) - floatBitsToInt(kLeastVariance)) / 8388608.0);
 }
 
 vec4 mean_light(Moments m, float slant) {
     float cell = unit * m.tau * slant * parts_per_cell;
-    if (!(m.variance > max(1e-5, 25.0 * rounding))) return pair_light(vec2(m.mean), m.variance, 0.5, cell);
+    if (!(m.variance > max(1e-5, 25.0 * rounding))) {
+        vec4 one = normal_light(clamp(m.mean, 0.0, 1.0), m.variance);
+        return seen(one, one, 0.5, cell);
+    }
     float deviation = sqrt(m.variance);
     float u = clamp(m.third / (m.variance * deviation), -kMostSkewness, kMostSkewness) / (kShare * kShare * kShare);
     float root = sqrt(u * u + 4.0);
-    return pair_light(m.mean + 0.5 * kShare * deviation * vec2(u + root, u - root), (1.0 - kShare * kShare) * m.variance,
-                      0.5 * (1.0 - u / root), cell);
+    vec2 means = clamp(m.mean + 0.5 * kShare * deviation * vec2(u + root, u - root), 0.0, 1.0), room = min(means, 1.0 - means);
+    vec2 variance = min(vec2((1.0 - kShare * kShare) * m.variance), room * room);
+    return seen(normal_light(means.y, variance.y), normal_light(means.x, variance.x), 0.5 * (1.0 - u / root), cell);
 }
 
 // Blinn and Phong's shading (render/device/shading.h), along the camera's axes; at most what is absorbed.

@@ -72,7 +72,8 @@ struct LightLanes {
 /// Two normal distributions in every lane.
 template <class V>
 struct PairLanes {
-    V high, low, variance, of_high;  ///< means, the variance of both, the weight of `high`
+    V high, low, of_high;  ///< means, the weight of `high`
+    V high_variance, low_variance;
 };
 /// device::normal_pair.
 template <class D, class V = hn::Vec<D>>
@@ -91,9 +92,15 @@ HWY_INLINE PairLanes<V> normal_pair(D d, const MomentLanes<V>& m) {
     const auto share = [&](V offset) {
         return hn::Min(hn::Max(hn::MulAdd(half, offset, m.mean), zero), one);
     };
-    return {share(hn::Add(u, root)), share(hn::Sub(u, root)),
-            hn::IfThenElse(spread, hn::Mul(m.variance, set(NormalPair::kNarrow)), m.variance),
-            hn::MulAdd(hn::Div(u, root), set(-0.5f), set(0.5f))};
+    const V variance =
+        hn::IfThenElse(spread, hn::Mul(m.variance, set(NormalPair::kNarrow)), m.variance);
+    const V high = share(hn::Add(u, root)), low = share(hn::Sub(u, root));
+    const auto within = [&](V mean) {
+        const V room = hn::Min(mean, hn::Sub(one, mean));
+        return hn::IfThenElse(spread, hn::Min(variance, hn::Mul(room, room)), variance);
+    };
+    return {high, low, hn::MulAdd(hn::Div(u, root), set(-0.5f), set(0.5f)), within(high),
+            within(low)};
 }
 
 /// Place in a row of MeanLight's table, and how much of the next column counts.
@@ -136,9 +143,9 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     const hn::CappedTag<float, 4> d4;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const PairLanes<V> pair = normal_pair(d, m);
-    alignas(64) float out[4 * kMost] = {}, extinction[2][kMost] = {}, share[kMost], down[kMost],
+    alignas(64) float out[4 * kMost] = {}, extinction[2][kMost] = {}, share[kMost], down[2][kMost],
                               right[2][kMost];
-    alignas(64) std::int32_t column[2][kMost], row[kMost];
+    alignas(64) std::int32_t column[2][kMost], row[2][kMost];
     hn::Store(pair.of_high, d, share);
     alignas(8) std::uint8_t of_mask[8] = {};
     hn::StoreMaskBits(d, counts, of_mask);
@@ -146,12 +153,13 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     if (!light.table) {
         hn::Store(pair.high, d, right[0]);
         hn::Store(pair.low, d, right[1]);
-        hn::Store(hn::Sqrt(pair.variance), d, down);
+        hn::Store(hn::Sqrt(pair.high_variance), d, down[0]);
+        hn::Store(hn::Sqrt(pair.low_variance), d, down[1]);
         for (; bits != 0; bits &= bits - 1) {
             const auto n = static_cast<std::size_t>(std::countr_zero(bits));
             float high[4], low[4];
-            light.pieces.light(right[0][n], down[n], high);
-            light.pieces.light(right[1][n], down[n], low);
+            light.pieces.light(right[0][n], down[0][n], high);
+            light.pieces.light(right[1][n], down[1][n], low);
             extinction[0][n] = high[3], extinction[1][n] = low[3];
             for (std::size_t c = 0; c < 4; ++c)
                 out[4 * n + c] = low[c] + share[n] * (high[c] - low[c]);
@@ -162,33 +170,37 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
         // MeanLight::row
         constexpr float kFirst = Table::kLeastVariance;
         const V first = set(kFirst), most = set(Table::kMostVariance);
-        const V octaves = hn::Mul(
-            hn::ConvertTo(
-                d, hn::Sub(hn::BitCast(di, hn::Min(pair.variance, most)), hn::BitCast(di, first))),
-            set(0x1p-23f));
-        const V y =
-            hn::IfThenElse(hn::Le(pair.variance, first), hn::Mul(pair.variance, set(1 / kFirst)),
-                           hn::Add(octaves, set(1)));
-        const auto above = hn::Min(hn::ConvertTo(di, y), hn::Set(di, Table::kRows - 2));
-        hn::Store(hn::ShiftLeft<10>(above), di, row);
-        static_assert(Table::kColumns == 1 << 10);
-        hn::Store(hn::Sub(y, hn::ConvertTo(d, above)), d, down);
+        const auto set_row = [&](V variance, std::int32_t* rows, float* under) {
+            const V octaves = hn::Mul(
+                hn::ConvertTo(
+                    d, hn::Sub(hn::BitCast(di, hn::Min(variance, most)), hn::BitCast(di, first))),
+                set(0x1p-23f));
+            const V y = hn::IfThenElse(hn::Le(variance, first), hn::Mul(variance, set(1 / kFirst)),
+                                       hn::Add(octaves, set(1)));
+            const auto above = hn::Min(hn::ConvertTo(di, y), hn::Set(di, Table::kRows - 2));
+            hn::Store(hn::ShiftLeft<10>(above), di, rows);
+            static_assert(Table::kColumns == 1 << 10);
+            hn::Store(hn::Sub(y, hn::ConvertTo(d, above)), d, under);
+        };
+        set_row(pair.high_variance, row[0], down[0]);
+        set_row(pair.low_variance, row[1], down[1]);
         for (; bits != 0; bits &= bits - 1) {
             const auto n = static_cast<std::size_t>(std::countr_zero(bits));
             const float* upper[2] = {
-                light.table + 4 * static_cast<std::ptrdiff_t>(row[n] + column[0][n]),
-                light.table + 4 * static_cast<std::ptrdiff_t>(row[n] + column[1][n])};
+                light.table + 4 * static_cast<std::ptrdiff_t>(row[0][n] + column[0][n]),
+                light.table + 4 * static_cast<std::ptrdiff_t>(row[1][n] + column[1][n])};
             for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
-                const auto at = [&](const float* p, float to_right) {
+                const auto at = [&](const float* p, float to_right, float under) {
                     const auto across = hn::Set(d4, to_right);
                     const auto a0 = hn::LoadU(d4, p + c), a1 = hn::LoadU(d4, p + 4 + c);
                     const auto b0 = hn::LoadU(d4, p + 4 * Table::kColumns + c);
                     const auto b1 = hn::LoadU(d4, p + 4 * Table::kColumns + 4 + c);
                     const auto a = hn::MulAdd(across, hn::Sub(a1, a0), a0);
                     const auto b = hn::MulAdd(across, hn::Sub(b1, b0), b0);
-                    return hn::MulAdd(hn::Set(d4, down[n]), hn::Sub(b, a), a);
+                    return hn::MulAdd(hn::Set(d4, under), hn::Sub(b, a), a);
                 };
-                const auto high = at(upper[0], right[0][n]), low = at(upper[1], right[1][n]);
+                const auto high = at(upper[0], right[0][n], down[0][n]),
+                           low = at(upper[1], right[1][n], down[1][n]);
                 constexpr std::size_t kLast = hn::MaxLanes(d4) - 1;
                 extinction[0][n] = hn::ExtractLane(high, kLast);  // of the last of the four
                 extinction[1][n] = hn::ExtractLane(low, kLast);
