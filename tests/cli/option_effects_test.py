@@ -3,7 +3,7 @@
 
 The options come from `vog COMMAND --help-all`, so that a new one is tried without a change here; it needs a value in
 VALUES, unless option_pairs_test.py has one. Each option must also have an effect in one case at least.
-VOG_ALL_EFFECTS=1 tries those of vog view and vog-mpi, too (scripts/nightly.sh).
+VOG_ALL_EFFECTS=1 tries those of vog view and vog-mpi, too, and every option in the cases that take longest (scripts/nightly.sh).
 usage: VOG_COMMAND=build/release/apps/cli/vog option_effects_test.py [COMMAND...]
 """
 
@@ -12,7 +12,6 @@ import json
 import os
 import re
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
@@ -22,6 +21,7 @@ from pathlib import Path
 import command_server
 import option_pairs_test as pairs
 from command_server import VOG
+from option_effects_inputs import make_inputs
 from serve_test_case import Server
 
 VOG_MPI = Path(VOG).resolve().parents[1] / "mpi" / "vog-mpi"
@@ -73,7 +73,9 @@ PICTURE = ["-o", "{out}/p.png", *SMALL]
 
 
 def cases():
-    """[command, words]: every kind of input and output, and for pictures every quantity and way to draw it."""
+    """[command, words]: every kind of input and output, and for pictures every quantity and way to draw it.
+    [command, words, quicker]: a case that takes a second or more. An option that changes the result of the quicker case is
+    tried there alone."""
     for output in ("p.html", "site/", "m.ply", "m.vogz", "m.spz", "m.glb", "m.usda"):
         yield "export", [MODEL, "-o", "{out}/" + output]
     for layout in ("3dgs", "volprim"):
@@ -86,11 +88,12 @@ def cases():
     yield "export", [MODEL, "-o", "{out}/p.html", "--orthographic"]
     yield "export", [MODEL, "-o", "{out}/m.vogz", "--max-loss", "3"]
     yield "export", ["{made}/streams.vogz", "-o", "{out}/p.html", "--from", "https://data.example.org/m.vogz"]
-    # A conversion without its size measures errors in twelve views, which takes longest: once for each command.
-    for data, output in ((VOLUME, "p.html --budget 60"), (VOLUME, "site/ --budget 60"), (VOLUME, "m.spz"), (TEXT, "p.html"), (TEXT, "m.vogz"), (POINTS, "m.spz")):
+    # A conversion without its size measures errors in twelve views.
+    yield "export", [VOLUME, "-o", "{out}/m.spz"], [VOLUME, "-o", "{out}/m.spz", "--budget", "60"]
+    for data, output in ((VOLUME, "p.html --budget 60"), (VOLUME, "site/ --budget 60"), (VOLUME, "m.spz --budget 60"), (TEXT, "p.html"), (TEXT, "m.vogz"), (POINTS, "m.spz")):
         yield "export", [data, "-o", *("{out}/" + output).split()]
-    for output, cut in (("m.ply", ""), ("m.vogz", "--block 4"), ("models/", "--block 4")):
-        yield "convert", [VOLUME, "-o", "{out}/" + output, *cut.split()]
+    for output in ("m.ply", "m.vogz", "models/"):
+        yield "convert", [VOLUME, "-o", "{out}/" + output, "--block", "4"]
         yield "convert", [TEXT, "-o", "{out}/" + output]
     yield "convert", [POINTS, "-o", "{out}/m.ply"]
     yield "convert", [TEXT, "-o", "{out}/p.xyz"]
@@ -98,8 +101,10 @@ def cases():
     yield "convert", [TEXT, "-o", "{out}/m.ply", "--budget", "100"]
     for strategy in ("smart", "variance", "neighbours", "tree"):
         yield "convert", [VOLUME, "-o", "{out}/m.ply", "--method", "paper", "--set", "strategy=" + strategy]
-    for how in ("--for value", "--block 4", "--budget 30", "--measure volume", "--lod 2"):
+    for how in ("--for value --budget 30", "--budget 30", "--lod 2"):
         yield "convert", [VOLUME, "-o", "{out}/m.ply", *how.split()]
+    for how, quicker in (("", "--budget 30"), ("--measure volume", "--budget 30"), ("--for value", "--for value --budget 30")):
+        yield "convert", [VOLUME, "-o", "{out}/m.ply", *how.split()], [VOLUME, "-o", "{out}/m.ply", *quicker.split()]
     for data in (MODEL, VOLUME, TEXT, POINTS):
         yield "render", [data, *PICTURE]
         yield "render", [data, *PICTURE, "--show", "column"]
@@ -120,7 +125,8 @@ def cases():
         yield "render", [MODEL, "-o", "{out}/turn.mp4", "--turntable", "2", *SMALL]
     for kind in ("a.exr b.exr", "a.png b.png", "a.npy b.npy", "field_a.exr field_b.exr", "a.exr b.exr --diff {out}/d.png"):
         yield "compare", [word if word[0] in "-{" else "{made}/" + word for word in kind.split()]
-    yield "evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"]
+    # Without a model: some thirty conversions.
+    yield "evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"], [VOLUME, MODEL, "-o", "{out}/e", "--size", "12"]
     yield "evaluate", [VOLUME, MODEL, "-o", "{out}/e", "--size", "12"]
     yield "evaluate", [VOLUME, "{made}/tiny.ply", "-o", "{out}/e", "--size", "12", "--show", "volume"]
     yield "voxelize", [MODEL, "-o", "{out}/v.vdb", "--like", "{made}/fire.vdb"]
@@ -146,73 +152,6 @@ def cases():
         yield "mpi render", [MODEL, *PICTURE]
         yield "mpi render", [VOLUME, *PICTURE, "--show", "volume"]
         yield "mpi evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"]
-
-
-def make_inputs(made):
-    def vog(*words):
-        done = subprocess.run([VOG, *(word.replace("{made}", made) for word in words)], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-
-    def volume(name, value, edge=12, origin=0, spacing=1):
-        cells = [value(x, y, z) for z in range(edge) for y in range(edge) for x in range(edge)]
-        head = (f"NRRD0004\ntype: float\ndimension: 3\nsizes: {edge} {edge} {edge}\nspace dimension: 3\n"
-                f"space directions: ({spacing},0,0) (0,{spacing},0) (0,0,{spacing})\nspace origin: ({origin},{origin},0)\n"
-                "endian: little\nencoding: raw\n\n")
-        Path(made, name).write_bytes(head.encode() + struct.pack(f"<{len(cells)}f", *cells))
-
-    def blob(x, y, z):
-        r = ((x - 5.5) ** 2 + (y - 5.5) ** 2 + (z - 5) ** 2) ** 0.5
-        return max(0.0, 0.5 - 0.08 * r + 0.02 * ((x * 7 + y * 3 + z) % 5)) * (r < 5.5)
-
-    volume("small.nrrd", blob)
-    volume("across.nrrd", blob, origin=0.3, spacing=0.7)
-    volume("nan.nrrd", lambda x, y, z: float("nan") if x == y == 5 else blob(x, y, z))
-    volume("negative.nrrd", lambda x, y, z: -0.1 if x == y == 5 else blob(x, y, z))
-    points = [f"{n * 7 % 11},{n * 5 % 13},{n * 3 % 17},{1 + n % 4}" for n in range(200)]
-    for name, bad in (("points", "3,4,5,6"), ("nan", "nan,4,5,6"), ("negative", "3,4,5,-6")):
-        Path(made, name + ".csv").write_text("\n".join(["x,y,z,weight", *points, bad]) + "\n")
-    vog("convert", "{made}/points.csv", "-o", "{made}/points.vdb")
-    vog("sample", "fire", "{made}/fire.vdb", "--size", "64")
-    for kind in ("cloud", "amr"):
-        vog("sample", kind, "{made}/%s.vdb" % kind, "--size", "64")
-    vog("convert", "{made}/fire.vdb", "-o", "{made}/model.ply", "--block", "4", "--field", "temperature")
-    vog("convert", "{made}/fire.vdb", "-o", "{made}/other.ply", "--block", "16", "--field", "temperature")
-    vog("convert", "{made}/small.nrrd", "-o", "{made}/tiny.ply", "--block", "8")
-    vog("convert", "{made}/cloud.vdb", "-o", "{made}/many.ply", "--block", "2")
-    vog("export", "{made}/model.ply", "-o", "{made}/nan.ply", "--as", "3dgs")
-    head, rows = Path(made, "nan.ply").read_bytes().split(b"end_header\n", 1)
-    for name in ("nan", "nan_too"):
-        Path(made, name + ".ply").write_bytes(head + b"end_header\n" + struct.pack("<f", float("nan")) + rows[4:])
-    vog("export", "{made}/model.ply", "-o", "{made}/streams.vogz", "--hierarchy", "--deflate")
-    vog("export", "{made}/tiny.ply", "-o", "{made}/page.html")
-    Path(made, "sphere.vdb").write_bytes(level_set())
-    for name, roll in (("a", "0"), ("b", "5")):
-        vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--set", "roll=" + roll, "--depth-out",
-            "{made}/%s.exr" % name, "--values-out", "{made}/%s.npy" % name)
-        vog("render", "{made}/model.ply", "--show", "mean", "--field", "temperature", "--size", "16", "--set", "roll=" + roll,
-            "--values-out", "{made}/field_%s.exr" % name)
-    Path(made, "camera.json").write_text(json.dumps({"eye": [60, 40, 30], "look_at": [8, 8, 8], "up": [0, 1, 0], "fov_degrees": 30}))
-    # Of no data, so that it goes with all: what differs is the size.
-    vog("render", "{made}/model.ply", "-o", "{made}/request.png", "--size", "24")
-    Path(made, "tour.vog").write_text("wait\npicture {out}/p.png\ndepth {out}/d.exr\nscreenshot {out}/s.png\n")
-
-
-def level_set():
-    """A sphere as OpenVDB writes a narrow band, in one leaf: an uncompressed file of version 224."""
-    def text(*words):
-        return b"".join(struct.pack("<I", len(word)) + word.encode() for word in words)
-
-    head = struct.pack("<qIIIB36sii", 0x56444220, 224, 10, 0, 1, b"0" * 36, 0, 1) + text("value", "Tree_float_5_4_3", "")
-    grid = struct.pack("<Ii", 0, 1) + text("class", "string", "level set", "UniformScaleMap") + struct.pack("<15d", *[1] * 12, *[0.5] * 3)
-    distance = [((x - 3.5) ** 2 + (y - 3.5) ** 2 + (z - 3.5) ** 2) ** 0.5 - 2.5 for x in range(8) for y in range(8) for z in range(8)]
-    mask = int("".join("1" if one < 3 else "0" for one in reversed(distance)), 2).to_bytes(64, "little")
-    grid += struct.pack("<ifII3i", 1, 3.0, 0, 1, 0, 0, 0)
-    for edge in (32, 16):  # inner nodes whose first child is all they have
-        grid += (1).to_bytes(edge**3 // 8, "little") + bytes(edge**3 // 8) + b"\6" + struct.pack("<f", 3.0) * edge**3
-    grid += mask
-    leaf = mask + b"\6" + struct.pack("<512f", *(min(one, 3.0) for one in distance))
-    place = len(head) + 24
-    return head + struct.pack("<3q", place, place + len(grid), place + len(grid) + len(leaf)) + grid + leaf
 
 
 def served(words):
@@ -322,66 +261,90 @@ def inputs_for(option, words):
     return changed
 
 
+class Trial:
+    """Runs of the cases with each option, and what is wrong with them."""
+
+    def __init__(self, made, pool):
+        self.made, self.pool = made, pool
+        self.bases, self.faults, self.runs = {}, [], 0
+        self.works = {}  # (command, option): whether it has an effect in some case
+        self.effects = set()  # (command, words of the case, option)
+
+    def run(self, command, words, extra=()):
+        return self.pool.submit(result_of, self.made, command, words, list(extra))
+
+    def base_of(self, command, words):
+        key = (command, *words)
+        if key not in self.bases:
+            self.bases[key] = self.run(command, words)
+        return self.bases[key]
+
+    def begin(self, command, words, quicker=()):
+        """Runs of a case: [(command, words, name of the option, result without it, results with it), ...]"""
+        begun = []
+        self.base_of(command, words)
+        for name, *value in options_of(command):
+            stated = name in words or any(f"--set {word}".startswith(name + "=") for word in words)
+            self.works[command, name] = self.works.get((command, name), False) or stated or name in UNTRIED
+            if stated or name in UNTRIED or (command, *quicker, name) in self.effects:
+                continue
+            given = inputs_for(name, words)
+            choices = [[name, one] for one in value[0].split("|")] if value else [[name]]
+            begun.append((command, words, name, self.base_of(command, given),
+                          [self.run(command, given, pairs.words_of(one)) for one in choices]))
+        return begun
+
+    def judge(self, command, words, name, before, after):
+        before, results = before.result(), [one.result() for one in after]
+        after = next((one for one in results if one[0] == 0 and one[:2] != before[:2]), results[0])
+        self.runs += 1
+        line = f"vog {command} {' '.join(words)} + {name}"
+        if after[0] == 0:
+            changed = before[0] != 0 or before[1] != after[1]
+            self.works[command, name] |= changed
+            if changed:
+                self.effects.add((command, *words, name))
+            elif (command, name) not in STATED and not any((name, word) in NOTHING_LEFT for word in words):
+                self.faults.append(f"{line}: no effect")
+        elif after[0] not in (1, 2) or after[2].count("\n") != 1:
+            self.faults.append(f"{line}: status {after[0]}, {after[2]!r}")
+        elif not any(word in after[2] for word in (name, *words) if word.startswith("--")) and name not in OF_DATA:
+            self.faults.append(f"{line}: refused without its name: {after[2]!r}")
+        if os.environ.get("VOG_SHOW"):
+            print(line, "->", after[2].strip() or "ok")
+
+    def judge_bases(self, chosen):
+        for (command, *words), base in self.bases.items():
+            if base.result()[0] != 0 and [command, words] in chosen:
+                self.faults.append(f"vog {command} {' '.join(words)}: {base.result()[2]}")
+            again = result_of(self.made, command, words, []) if os.environ.get("VOG_TWICE") else base.result()
+            if again[1] != base.result()[1]:
+                self.faults.append(f"vog {command} {' '.join(words)}: another result the second time")
+        # vog-mpi has the options of vog, and few cases.
+        self.faults += [f"vog {command} {option}: no case in which it has an effect" for (command, option), used in self.works.items()
+                        if not used and not command.startswith("mpi ")]
+
+
 def main():
     made = tempfile.mkdtemp(prefix="vog-effects-")
-    faults, works, runs = [], {}, 0
-    chosen = sys.argv[1:]
     try:
         make_inputs(made)
         with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-            tried = []
-            bases = {}
-
-            def base_of(command, words):
-                key = (command, *words)
-                if key not in bases:
-                    bases[key] = pool.submit(result_of, made, command, words, [])
-                return bases[key]
-
-            for command, words in cases():
-                if chosen and command not in chosen:
-                    continue
-                for option in options_of(command):
-                    works.setdefault((command, option[0]), option[0] in UNTRIED)
-                    stated = option[0] in words or any(f"--set {word}".startswith(option[0] + "=") for word in words)
-                    if option[0] in UNTRIED or stated:
-                        works[command, option[0]] |= stated
-                        continue
-                    given = inputs_for(option[0], words)
-                    values = [option[:1] + ([value] if value else []) for value in (option[1] if option[1:] else "").split("|")]
-                    tried.append((command, given, option, base_of(command, given),
-                                  [pool.submit(result_of, made, command, given, pairs.words_of(one)) for one in values]))
-            for command, words, option, before, after in tried:
-                before, results = before.result(), [one.result() for one in after]
-                after = next((one for one in results if one[0] == 0 and one[:2] != before[:2]), results[0])
-                runs += 1
-                line = f"vog {command} {' '.join(words)} + {' '.join(option)}"
-                if after[0] == 0:
-                    changed = before[0] != 0 or before[1] != after[1]
-                    works[command, option[0]] |= changed
-                    if not changed and (command, option[0]) not in STATED and not any((option[0], word) in NOTHING_LEFT for word in words):
-                        faults.append(f"{line}: no effect")
-                elif after[0] not in (1, 2) or after[2].count("\n") != 1:
-                    faults.append(f"{line}: status {after[0]}, {after[2]!r}")
-                elif not any(word in after[2] for word in (option[0], *words) if word.startswith("--")) and option[0] not in OF_DATA:
-                    faults.append(f"{line}: refused without its name: {after[2]!r}")
-                if os.environ.get("VOG_SHOW"):
-                    print(line, "->", after[2].strip() or "ok")
-            for (command, *words), base in bases.items():
-                if base.result()[0] != 0 and [command, words] in [list(case) for case in cases()]:
-                    faults.append(f"vog {command} {' '.join(words)}: {base.result()[2]}")
-                again = result_of(made, command, words, []) if os.environ.get("VOG_TWICE") else base.result()
-                if again[1] != base.result()[1]:
-                    faults.append(f"vog {command} {' '.join(words)}: another result the second time")
+            trial = Trial(made, pool)
+            chosen = [list(case) for case in cases() if case[0] in (sys.argv[1:] or case[0])]
+            if os.environ.get("VOG_ALL_EFFECTS"):
+                chosen = [case[:2] for case in chosen]
+            # Cases with a quicker one come second: what has an effect there is known by then.
+            for some in ([case for case in chosen if len(case) == count] for count in (2, 3)):
+                for begun in [one for case in some for one in trial.begin(*case)]:
+                    trial.judge(*begun)
+            trial.judge_bases([case[:2] for case in chosen])
     finally:
         shutil.rmtree(made)
-    # vog-mpi has the options of vog, and few cases.
-    faults += [f"vog {command} {option}: no case in which it has an effect" for (command, option), used in works.items()
-               if not used and not command.startswith("mpi ")]
-    for fault in faults:
+    for fault in trial.faults:
         print(fault)
-    print(f"{len(works)} options of commands in {runs} runs, {len(faults)} faults")
-    return 1 if faults else 0
+    print(f"{len(trial.works)} options of commands in {trial.runs} runs, {len(trial.faults)} faults")
+    return 1 if trial.faults else 0
 
 
 if __name__ == "__main__":
