@@ -251,7 +251,8 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
         "render amr.vdb --grid 'density_L*' --mask 'density_L*' --depth-out masked.exr --size 48 "
         "--extinction 5");
     EXPECT_EQ(read_depth(dir_ / "masked.exr").depth, read_depth(dir_ / "levels.exr").depth);
-    must("evaluate amr.vdb --grid 'density_L*' -o report --size 32 --repeat 1");
+    // All conversions of levels: evaluate.levels_are_one_model_against_the_masked_reference.
+    must("evaluate amr.vdb m.ply --grid 'density_L*' -o report --size 32 --repeat 1");
 }
 
 TEST_F(cli, invalid_levels_are_refused) {

@@ -125,9 +125,11 @@ TEST_F(inputs, parts_and_levels_are_found_and_said) {
     const Result levels = must("render amr.vdb --grid 'density_L*' -o p.png --size 16 --json");
     EXPECT_EQ(Json::parse(levels.out)["notes"][0],
               "3 volumes are 3 levels of one mesh: the finest counts where they overlap");
+    must("convert amr.vdb --grid 'density_L*' -o m.ply --block 16");
     EXPECT_EQ(
-        Json::parse(must("evaluate amr.vdb --grid 'density_L*' -o r --size 16 --repeat 1 --json")
-                        .out)["notes"]
+        Json::parse(
+            must("evaluate amr.vdb m.ply --grid 'density_L*' -o r --size 16 --repeat 1 --json")
+                .out)["notes"]
             .size(),
         1u);
     EXPECT_FALSE(Json::parse(must("render left.vdb -o p.png --json").out).contains("notes"));
