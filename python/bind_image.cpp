@@ -4,6 +4,7 @@
 
 #include "arrays.h"
 #include "vog/error.h"
+#include "vog/exposure.h"
 #include "vog/image.h"
 #include "vog/picture.h"
 
@@ -142,11 +143,12 @@ extinction  factor on density that T includes, > 0)")
             "extinction", [](const DepthImage& self) { return self.extinction; },
             [](DepthImage& self, const py::object& value) {
                 const std::optional<double> number = extinction_of(value);
-                set_extinction(self, number ? *number : auto_extinction(self));
+                set_extinction(self, number ? *number : picture_extinction(self));
             },
             R"(Factor on density that T includes. Setting it rescales T without rendering again.
 
-'auto' sets the value at which the 99th percentile of the non-zero T is 4.)")
+'auto' sets the value at which the 99th percentile of the non-zero T is 4, or the nearest one
+whose picture is neither dark nor burnt out.)")
         .def(
             "shade", &shaded, py::arg("tf") = kDefaultMap, py::arg("background") = "black",
             py::arg("blend") = false,

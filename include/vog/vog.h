@@ -54,6 +54,7 @@
 #include "vog/evaluate.h"
 #include "vog/exchange.h"
 #include "vog/export_html.h"
+#include "vog/exposure.h"
 #include "vog/field_maps.h"
 #include "vog/fields.h"
 #include "vog/gaussians.h"

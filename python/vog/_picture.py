@@ -147,7 +147,7 @@ def render(
     light_weights  (ambient, diffuse, specular, power)
     clip           box of the world that is shown, [2, 3]; None: all. Exact on every ray
     clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays
-    extinction     of T: factor on density; 'auto': the 99th percentile of the non-zero T becomes 4
+    extinction     of T: factor on density; 'auto': the 99th percentile of the non-zero T becomes 4, more or less where the picture would be dark or burnt out
     background     'black', 'white', 'transparent', or (r, g, b) in [0, 1]
     blend          of T: colours fade into the background as V goes to 0
     units          unit of the shown numbers: they convert to it where the data state theirs; else a text for the label

@@ -16,9 +16,9 @@
 #include "io/vogz/vogz_bytes.h"
 #include "render/pixel_limits.h"
 #include "render/splat/splat.h"
-#include "shade/named_extinction.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
+#include "vog/exposure.h"
 #include "vog/field_maps.h"
 #include "vog/picture.h"
 #include "vog/picture_record.h"
@@ -241,9 +241,8 @@ Json model_json(const HtmlModel& model, const HtmlOptions& options) {
     constexpr int kSize = 256;
     const Camera view = first_view(finest, options);
     const DepthImage depth = render_splat(finest, view, kSize, kSize);
-    const double extinction = options.extinction
-                                  ? *options.extinction
-                                  : shading::auto_extinction_of(depth, finest.source);
+    const double extinction =
+        options.extinction ? *options.extinction : picture_extinction(depth, finest.source);
     const ColorScale columns = automatic_scale({&depth, 1}, ScaleFit::log);
     const bool empty = std::ranges::none_of(depth.depth, [](float t) { return t > 0; });
     return {{"name", model.name},

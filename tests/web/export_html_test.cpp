@@ -9,6 +9,7 @@
 #include "support/command.h"
 #include "support/scenes.h"
 #include "vog/error.h"
+#include "vog/exposure.h"
 #include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/ply.h"
@@ -111,7 +112,7 @@ TEST(export_html, tells_models_levels_view_and_colours) {
     EXPECT_EQ(page["picture"]["blend"], true);
     // Automatic extinction of this view, as in vog render.
     const DepthImage depth = render_splat(model, *options.camera, 256, 256);
-    EXPECT_DOUBLE_EQ(page["models"][0]["extinction"].get<double>(), auto_extinction(depth));
+    EXPECT_DOUBLE_EQ(page["models"][0]["extinction"].get<double>(), picture_extinction(depth));
 }
 
 TEST(export_html, refuses_what_cannot_be_shown) {

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "vog/error.h"
+#include "vog/exposure.h"
 #include "vog/periodic.h"
 
 namespace vog::viewer {
@@ -263,7 +264,7 @@ void Session::inspect() {
 
 void Session::inspect_visibility() {
     if (exposure_open_ || settings.follow_exposure) {
-        look.extinction = automatic_extinction = vog::auto_extinction(depth_of(inspected_));
+        look.extinction = automatic_extinction = picture_extinction(depth_of(inspected_));
         shade_.set_look(look);
         // Ends when the view is left, or when all levels are there.
         exposure_open_ = exposure_open_ && at_first_view() && !(loaded() && left_.complete());
@@ -287,7 +288,7 @@ void Session::look_changed() {
 void Session::auto_exposure() {
     if (!left_.has_sums() || !is_depth(left_.picture().request.show)) return;
     inspected_ = numbers();
-    look.extinction = automatic_extinction = vog::auto_extinction(depth_of(inspected_));
+    look.extinction = automatic_extinction = picture_extinction(depth_of(inspected_));
     look_changed();
 }
 

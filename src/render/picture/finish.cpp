@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "vog/error.h"
+#include "vog/exposure.h"
 #include "vog/picture.h"
 
 namespace vog {
@@ -98,7 +99,7 @@ void color_depth(Picture& picture) {
     const TransferFunction& colors = picture.made.colors;
     if (request.show == Show::depth) {
         set_extinction(depth.image,
-                       request.extinction ? *request.extinction : auto_extinction(depth.image));
+                       request.extinction ? *request.extinction : picture_extinction(depth.image));
         picture.extinction = depth.image.extinction;
         picture.image = shade(depth.image, colors, request.shading);
         return;

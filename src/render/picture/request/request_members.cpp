@@ -125,7 +125,8 @@ std::vector<Entry> colour_entries() {
           kColour,
           "NUMBER",
           "Extinction, the factor on density in the optical depth T, or auto: the value at which "
-          "the 99th percentile of the first picture's non-zero T is 4",
+          "the 99th percentile of the first picture's non-zero T is 4, or the nearest one whose "
+          "picture is neither dark nor burnt out",
           "auto",
           {},
           "T"},
