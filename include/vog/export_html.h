@@ -46,7 +46,8 @@ struct HtmlQuantity {
     /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
     std::optional<ValueTransfer> transfer{};
     VolumeLook look{};  ///< light of volume, and the clip of all quantities
-    int slabs = 32;     ///< depth slabs of volume, 1 to 1024; rounded up to a multiple of 4
+    std::optional<int>
+        slabs;  ///< depth slabs of volume, 1 to 1024; nothing: kVolumeSlabs, with light kLitSlabs
     int maximum_slabs = kMaximumSlabs;  ///< depth slabs of maximum, 1 to 1024
 };
 

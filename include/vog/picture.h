@@ -188,10 +188,14 @@ struct PictureRequest {
     int width = 512, height = 512;   ///< pixels
     std::optional<Renderer> renderer{};  ///< nothing: splat of models, reference of voxels
     RenderOptions options{};             ///< options of the renderer, and the clip
-    std::optional<int>
-        slabs{};  ///< depth slabs of volume and maximum; nothing: kVolumeSlabs, kMaximumSlabs
+    std::optional<int> slabs{};  ///< depth slabs of volume and maximum; nothing: depth_slabs()
     Marks marks{};
 };
+/// The request's depth slabs, or as many as what it shows has by default.
+inline int depth_slabs(const PictureRequest& request) {
+    const int light = request.look.light ? kLitSlabs : kVolumeSlabs;
+    return request.slabs.value_or(request.show == Show::maximum ? kMaximumSlabs : light);
+}
 
 /// A request without open members but those that depend on the drawn numbers (extinction, ranges of maps), and an open field: other
 /// data have another name for their own values.

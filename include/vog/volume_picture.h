@@ -13,8 +13,9 @@
 
 namespace vog {
 
-/// Default numbers of depth slabs. A maximum has more: means over thick ones are lower than the largest within.
-inline constexpr int kVolumeSlabs = 32, kMaximumSlabs = 128;
+/// Default numbers of depth slabs. Light shows how rough surfaces are that thick slabs make; a maximum has more: means over
+/// thick ones are lower than the largest within.
+inline constexpr int kVolumeSlabs = 32, kLitSlabs = 64, kMaximumSlabs = 128;
 
 /// Light and clipping of a volume picture.
 struct VolumeLook {

@@ -269,7 +269,7 @@ void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
     if (show != "T" && show != "column" && show != "mean" && show != "deviation" && !of_scalars)
         throw Error(fmt::format(
             "page: quantity '{}', expected T, column, mean, deviation, volume or maximum", show));
-    for (const int slabs : {quantity.slabs, quantity.maximum_slabs})
+    for (const int slabs : {quantity.slabs.value_or(1), quantity.maximum_slabs})
         if (slabs < 1 || slabs > 1024)
             throw Error(fmt::format("page: {} depth slabs, expected 1 to 1024", slabs));
     vog::validate(quantity.look);
@@ -368,8 +368,9 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
                  {"leastColumn", kLeastColumn}};
     page["maps"] = maps_json(options.tf, map_name);
     page["map"] = map_name;
-    // Of volume, whose slabs are drawn four at once, and of the largest value.
-    page["slabs"] = {(options.quantity.slabs + 3) / 4 * 4, options.quantity.maximum_slabs};
+    // Of volume, of the largest value, and of volume with light.
+    page["slabs"] = {options.quantity.slabs.value_or(kVolumeSlabs), options.quantity.maximum_slabs,
+                     options.quantity.slabs.value_or(kLitSlabs)};
     page["steps"] = options.steps;
     return page;
 }

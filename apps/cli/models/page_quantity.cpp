@@ -17,7 +17,8 @@ HtmlQuantity stated_quantity(const PictureRequest& request) {
     quantity.field = request.field;
     quantity.look = request.look;
     if (request.slabs)
-        (request.show == Show::maximum ? quantity.maximum_slabs : quantity.slabs) = *request.slabs;
+        request.show == Show::maximum ? quantity.maximum_slabs = *request.slabs
+                                      : quantity.slabs.emplace(*request.slabs);
     quantity.look.clip = request.options.clip;
     if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
         throw UsageError(fmt::format("--clip: {} planes, expected at most {}",

@@ -21,10 +21,7 @@ struct GlVolume {
     const ValueTransfer* transfer() const {
         return picture.request.show == Show::volume ? &picture.chosen.transfer : nullptr;
     }
-    /// Depth slabs.
-    int slabs() const {
-        return picture.request.slabs.value_or(transfer() ? kVolumeSlabs : kMaximumSlabs);
-    }
+    int slabs() const { return depth_slabs(picture.request); }
 };
 
 class GlSlabs {

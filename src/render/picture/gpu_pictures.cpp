@@ -58,10 +58,9 @@ class GpuModelPictures : public SourceRenderer {
             pictures.fields(picture.field, unit, camera, size, sums, clip);
         else if (request.show == Show::volume)
             pictures.volume(field, picture.chosen.transfer, camera, size, sums,
-                            request.slabs.value_or(kVolumeSlabs), look_of(picture));
+                            depth_slabs(request), look_of(picture));
         else
-            pictures.maximum(field, unit, camera, size, sums, request.slabs.value_or(kMaximumSlabs),
-                             clip);
+            pictures.maximum(field, unit, camera, size, sums, depth_slabs(request), clip);
     }
 
   protected:
@@ -89,9 +88,8 @@ class GpuModelPictures : public SourceRenderer {
     ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) override {
         GpuPictures& pictures = prepared(picture);
         const PictureRequest& request = picture.request;
-        ValueMap map =
-            pictures.maximum(picture.field.field, picture.camera(), request.width, request.height,
-                             request.slabs.value_or(kMaximumSlabs), request.options.clip);
+        ValueMap map = pictures.maximum(picture.field.field, picture.camera(), request.width,
+                                        request.height, depth_slabs(request), request.options.clip);
         report.gpu_ms = pictures.gpu_ms();
         if (progress) progress(1);
         return map;
@@ -101,9 +99,9 @@ class GpuModelPictures : public SourceRenderer {
                 const Progress& progress) override {
         GpuPictures& pictures = prepared(picture);
         const PictureRequest& request = picture.request;
-        image = pictures.volume(picture.field.field, picture.chosen.transfer, picture.camera(),
-                                request.width, request.height, request.slabs.value_or(kVolumeSlabs),
-                                look_of(picture));
+        image =
+            pictures.volume(picture.field.field, picture.chosen.transfer, picture.camera(),
+                            request.width, request.height, depth_slabs(request), look_of(picture));
         report.gpu_ms = pictures.gpu_ms();
         if (progress) progress(1);
     }

@@ -47,7 +47,7 @@ class SplatPictures : public SourceRenderer {
     ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) override {
         const PictureRequest& request = picture.request;
         SlabOptions options = slab_options(picture);
-        options.slabs = request.slabs.value_or(kMaximumSlabs);
+        options.slabs = depth_slabs(request);
         ValueMap map = render_maximum_splat(model(), picture.field.field, picture.camera(),
                                             request.width, request.height, options);
         if (progress) progress(1);
@@ -58,7 +58,7 @@ class SplatPictures : public SourceRenderer {
                 const Progress& progress) override {
         const PictureRequest& request = picture.request;
         SlabOptions options = slab_options(picture);
-        options.slabs = request.slabs.value_or(kVolumeSlabs);
+        options.slabs = depth_slabs(request);
         const ValueTransfer& transfer = picture.chosen.transfer;
         // Made with the first transfer function, then kept for pictures under others.
         Kept wanted{picture.field.field, options.slabs, options.look};

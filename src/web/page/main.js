@@ -92,7 +92,7 @@ function addSums(parts) {
   if (inSlabs(state.show)) {
     slabs ??= new Slabs(renderer);
     slabs.add(parts, model, camera, {
-      field, transfer, light: state.light, clip, slabs: page.slabs[transfer ? 0 : 1],
+      field, transfer, light: state.light, clip, slabs: page.slabs[!transfer ? 1 : state.light.on ? 2 : 0],
       source: rangeOf(model.fields[field]),
     });
   } else {

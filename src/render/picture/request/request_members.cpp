@@ -205,7 +205,8 @@ std::vector<Entry> volume_entries() {
           kVolume,
           "N",
           "Depth slabs of a model's picture by splat, cuda or optix: more lie nearer to "
-          "exact order (`renderer` trace), and cost memory and time; default 32, of maximum 128",
+          "exact order (`renderer` trace), and cost memory and time; default 32, with light 64, "
+          "of maximum 128",
           "",
           {},
           "volume maximum",
