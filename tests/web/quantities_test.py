@@ -498,7 +498,7 @@ class Quantities(QuantityTest):
         self.assertEqual(self.value("vog.bits()"), 16)
         self.change(show="volume", transfers={"0": RAMP})
         found = self.compared("model.ply", "--show", "volume", "--tf", self.write_transfer(RAMP))
-        self.hold("-PSNR of half floats [dB]", -(found["psnr_rgb_db"] or math.inf), FACTOR_DB - 66.3)  # sums of squares would be noise: spreads of means are left out
+        self.hold("-PSNR of half floats [dB]", -(found["psnr_rgb_db"] or math.inf), FACTOR_DB - 59.3)  # sums of squares would be noise: spreads of means are left out
 
 
 if __name__ == "__main__":

@@ -32,9 +32,11 @@ class UnitLight {
     }
     Sum operator()(double value) const {
         constexpr double kMost = 1e30;  // of floats, with room for sums
-        const ValueLight light = pieces_(value);
+        // Of a measure towards 0 the limit: to go to 0 there would make lines where the lower value of a pair passes it.
+        const double shown = per_value_ ? std::max(value, least_) : value;
+        const ValueLight light = pieces_(shown);
         double s = unit_ * light.extinction;
-        if (per_value_) s = value > 0 ? s / std::max(value, least_) : 0;
+        if (per_value_) s = value < 0 ? 0 : s / shown;
         s = std::min(s, kMost);
         return {s * light.r, s * light.g, s * light.b, s};
     }
@@ -169,6 +171,14 @@ void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange&
     // Pieces that floats cannot hold leave gaps.
     for (std::size_t n = 0; n + 1 < pieces_.size(); ++n) pieces_[n].end = pieces_[n + 1].start;
     pieces_.front().start = 0, pieces_.back().end = 1;
+    shape_.first_seen = 1, shape_.last_seen = 0;
+    for (const device::LightPiece& piece : pieces_) {
+        const float most = std::max(piece.first[3], piece.last[3]);
+        if (!(most > 0)) continue;
+        shape_.first_seen = std::min(shape_.first_seen, piece.start);
+        shape_.last_seen = std::max(shape_.last_seen, piece.end);
+        shape_.most = std::max(shape_.most, most);
+    }
 }
 
 float LightOfMoments::value_at(double position) const {

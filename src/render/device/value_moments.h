@@ -113,10 +113,23 @@ VOG_HD void composite(const float light[4], float tau, SeenLight& seen) {
 /// Steps of a slab that absorbs much, in which the moments go over to those of its neighbours: surfaces are found
 /// between means of slabs.
 constexpr int32_t kSurfaceSteps = 6;
-/// Optical depth of a slab from which on it is divided into steps: these reach its neighbours at twice that, so that pictures
-/// have no edge where it is passed.
-constexpr float kSurfaceDepth = 0.2f;
-VOG_HD float division_of(float depth) { return fminf(depth / kSurfaceDepth - 1, 1.0f); }
+/// A slab is divided into steps from an optical depth on, where the change of means from slab to slab makes up a share of
+/// the variance in it.
+constexpr float kSurfaceDepth = 0.2f, kSurfaceShare = 0.5f;
+/// How far the steps go towards the neighbours; not above 0: no steps. All the way at twice those, so that pictures have
+/// no edge where they are passed.
+/// trend  trend_between() of the neighbour that has more
+VOG_HD float division_of(float depth, float trend, float variance) {
+    const float sloped = trend / fmaxf(kSurfaceShare * variance, 1e-12f);
+    return fminf(fminf(depth / kSurfaceDepth, sloped) - 1, 1.0f);
+}
+/// Variance in a slab of means that change linearly from slab to slab; towards one with less tau by its share, so that there
+/// is no edge where a Gaussian ends.
+/// own  tau > 0
+VOG_HD float trend_between(const ValueMoments& own, const ValueMoments& other) {
+    const float change = fminf(other.tau / own.tau, 1.0f) * (other.mean - own.mean);
+    return change * change * (1.0f / 12);
+}
 /// Transmittance that hides everything behind.
 constexpr float kDarkTransmittance = 1e-6f;
 
@@ -129,10 +142,8 @@ VOG_HD ValueMoments step_between(const ValueMoments& own, const ValueMoments& be
     const float share = fabsf(at), rest = 1 - share;
     const float beside = other.tau * share, tau = own.tau * rest + beside;
     const float of = beside / tau, left = 1 - of;
-    const float change = other.tau > 0 ? division * (other.mean - own.mean) : 0;
-    // Less the variance in a slab of means that change linearly from slab to slab.
     const float variance =
-        of * other.variance + left * own.variance - change * change * (1.0f / 12);
+        of * other.variance + left * own.variance - division * division * trend_between(own, other);
     return {tau, of * other.mean + left * own.mean, fmaxf(variance, 0.0f),
             of * other.third + left * own.third, share * other.gradient + rest * own.gradient};
 }
@@ -144,8 +155,9 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
     if (!(own.tau > 0) || seen.passed < kDarkTransmittance) return;
     float color[4];
     light_of(light, look, own, 1, towards_eye, color);
-    if (color[3] * own.tau < kSurfaceDepth) return composite(color, own.tau, seen);
-    const float division = division_of(color[3] * own.tau);
+    const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
+    const float division = division_of(color[3] * own.tau, trend, own.variance);
+    if (!(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;
     for (int32_t k = 0; k < kSurfaceSteps; ++k) {

@@ -28,7 +28,7 @@ const int kSlabs = 4;
 // NormalPair; rows of MeanLight; steps of a slab from an optical depth on.
 const float kShare = 0.95, kMostSkewness = 3.0, kMostVariance = 0.25, kLeastVariance = kMostVariance / 524288.0;
 const int kColumns = 1024, kRows = 21, kSteps = 6;
-const float kSurfaceDepth = 0.2;
+const float kSurfaceDepth = 0.2, kSurfaceShare = 0.5;
 
 struct Moments {
     float tau, mean, variance, third;
@@ -102,22 +102,28 @@ void composite(vec4 light, float tau) {
     color.a = 1.0 - (1.0 - color.a) * passed;
 }
 
-// Between the means of slabs weights, means and spreads are linear; less the variance in a slab of means that change so.
+// Variance in a slab of means that change linearly from slab to slab; towards one with less tau by its share.
+float trend_between(Moments own, Moments other) {
+    float change = min(other.tau / own.tau, 1.0) * (other.mean - own.mean);
+    return change * change / 12.0;
+}
+
+// Between the means of slabs weights, means and spreads are linear; less the trend.
 Moments step_between(Moments own, Moments other, float division, float at) {
     float share = division * at, rest = 1.0 - share, beside = other.tau * share, tau = own.tau * rest + beside, of = beside / tau;
-    float change = other.tau > 0.0 ? division * (other.mean - own.mean) : 0.0;
-    return Moments(tau, mix(own.mean, other.mean, of), max(mix(own.variance, other.variance, of) - change * change / 12.0, 0.0),
+    return Moments(tau, mix(own.mean, other.mean, of), max(mix(own.variance, other.variance, of) - division * division * trend_between(own, other), 0.0),
                    mix(own.third, other.third, of), share * other.gradient + rest * own.gradient);
 }
 
 void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, float slant) {
     if (!(own.tau > 0.0)) return;
     vec4 light = unit * shaded(mean_light(own, slant), own.gradient, towards_eye);
-    if (light.a * own.tau * slant < kSurfaceDepth) {
+    float sloped = max(trend_between(own, before), trend_between(own, behind)) / max(kSurfaceShare * own.variance, 1e-12);
+    float division = min(min(light.a * own.tau * slant / kSurfaceDepth, sloped) - 1.0, 1.0);
+    if (!(division > 0.0)) {
         composite(light, own.tau * slant);
         return;
     }
-    float division = min(light.a * own.tau * slant / kSurfaceDepth - 1.0, 1.0);
     // Steps together have the slab's weight and mean.
     Moments steps[kSteps];
     float whole = 0.0, first = 0.0;

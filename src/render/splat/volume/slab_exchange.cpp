@@ -40,8 +40,13 @@ std::size_t block_size(int channels) {
     return 1 + static_cast<std::size_t>(channels) * kCellPixels;
 }
 
+/// Factors of sums from this process's unit (SplatModel::unit) to that of all, and back.
+struct SumUnits {
+    float to_all, to_own;
+};
+
 /// Appends the sums of a cell, and sets them to 0.
-void pack(SlabCell& cell, std::size_t place, int n, std::vector<float>& to) {
+void pack(SlabCell& cell, float factor, std::size_t place, int n, std::vector<float>& to) {
     const std::size_t head = to.size();
     to.insert(to.end(), {static_cast<float>(place), static_cast<float>(n), 0});
     for (int slab = cell.lowest; slab <= cell.highest; ++slab) {
@@ -51,19 +56,19 @@ void pack(SlabCell& cell, std::size_t place, int n, std::vector<float>& to) {
         ++to[head + 2];
         to.push_back(static_cast<float>(slab));
         for (const SlabPlane& plane : planes)
-            to.insert(to.end(), plane.pixel.begin(), plane.pixel.end());
+            for (const float sum : plane.pixel) to.push_back(factor * sum);
     }
     cell.clear();
 }
 
 /// Adds slabs of a cell.
-void unpack(std::span<const float> blocks, SlabCell& cell) {
+void unpack(std::span<const float> blocks, float factor, SlabCell& cell) {
     for (; !blocks.empty(); blocks = blocks.subspan(block_size(cell.channels))) {
         const auto slab = static_cast<int>(blocks[0]);
         cell.touch(slab, slab);
         const float* from = &blocks[1];
         for (int n = 0; n < cell.channels; ++n)
-            for (float& sum : cell.slab(slab)[n].pixel) sum += *from++;
+            for (float& sum : cell.slab(slab)[n].pixel) sum += factor * *from++;
     }
 }
 
@@ -72,6 +77,7 @@ struct SlabRunOfTiles {
     const SlabPicture& drawn;
     tbb::enumerable_thread_specific<SlabBuffers>& buffers;
     const Collective& processes;
+    SumUnits units;
     std::span<const int> tiles;
     std::size_t first;  ///< place of the first among all: owners take turns
 
@@ -104,7 +110,7 @@ Packets SlabRunOfTiles::sums() const {
         for (int cell = 0; cell < kCells; ++cell) {
             if (!drawn.begin_cell(tiles[n], cell, own)) continue;
             drawn.sum_cell(own);
-            pack(own.cell, n, cell, packed[n]);
+            pack(own.cell, units.to_all, n, cell, packed[n]);
         }
     });
     Packets to(static_cast<std::size_t>(processes.count));
@@ -135,7 +141,7 @@ void SlabRunOfTiles::composite(const Packets& from, Rgba* image) const {
             const auto& parts = blocks[n * kCells + static_cast<std::size_t>(c)];
             if (parts.empty()) continue;
             (void)drawn.place_cell(tiles[n], c, cell);
-            for (const std::span<const float> part : parts) unpack(part, cell);
+            for (const std::span<const float> part : parts) unpack(part, units.to_own, cell);
             drawn.finish_cell(cell, image);
         }
     });
@@ -196,10 +202,19 @@ void draw_parts(const SlabPicture& drawn, tbb::enumerable_thread_specific<SlabBu
     const std::vector<int> tiles = shared_tiles(drawn, buffers, processes);
     const std::size_t tile_bytes = buffers.local().cell.planes.size() * sizeof(SlabPlane) * kCells;
     const std::size_t run = std::max<std::size_t>(kMostBytes / tile_bytes, 1);
+    // Powers of two: no rounding.
+    double unit[1] = {drawn.view.gaussians.size() > 0 ? drawn.unit : 0};
+    processes.max(unit);
+    const SumUnits units{static_cast<float>(drawn.unit / unit[0]),
+                         static_cast<float>(unit[0] / drawn.unit)};
     for (std::size_t first = 0; first < tiles.size(); first += run) {
         const SlabRunOfTiles one{
-            drawn, buffers, processes,
-            std::span(tiles).subspan(first, std::min(run, tiles.size() - first)), first};
+            drawn,
+            buffers,
+            processes,
+            units,
+            std::span(tiles).subspan(first, std::min(run, tiles.size() - first)),
+            first};
         one.composite(processes.exchange(one.sums()), image);
         one.collect(image);
     }

@@ -143,6 +143,14 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     const hn::CappedTag<float, 4> d4;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const PairLanes<V> pair = normal_pair(d, m);
+    // Both of the pair within four deviations of values that have light.
+    const auto reaches = [&](V gap, V variance) {
+        return hn::Or(hn::Le(gap, hn::Zero(d)),
+                      hn::Le(hn::Mul(gap, gap), hn::Mul(set(16), variance)));
+    };
+    counts = hn::And(counts,
+                     hn::And(reaches(hn::Sub(set(light.first_seen), pair.high), pair.high_variance),
+                             reaches(hn::Sub(pair.low, set(light.last_seen)), pair.low_variance)));
     alignas(64) float out[4 * kMost] = {}, extinction[2][kMost] = {}, share[kMost], down[2][kMost],
                               right[2][kMost];
     alignas(64) std::int32_t column[2][kMost], row[2][kMost];
@@ -259,17 +267,15 @@ template <class V>
 struct SeenLanes {
     V c[3], passed;
 };
-/// Composites moments, of lanes that count.
-/// division  as of device::light_of
+/// Composites moments.
+/// along  tau on the ray
+/// light  mean_light(), of lanes that do not count 0
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V composite_part(D d, const SlabLight& of, const MomentLanes<V>& m, const CellRays& rays,
-                            std::size_t n, hn::Mask<D> counts, float division, SeenLanes<V>& seen) {
-    const V one = hn::Set(d, 1.0f);
-    const V along = hn::Mul(m.tau, hn::Load(d, rays.length.data() + n));
-    const V cell = hn::Mul(along, hn::Set(d, of.light.parts_per_cell * division));
-    LightLanes<V> light = mean_light(d, of.light, m, cell, counts);
+HWY_INLINE void composite_part(D d, const SlabLight& of, const MomentLanes<V>& m,
+                               const CellRays& rays, std::size_t n, V along, LightLanes<V> light,
+                               SeenLanes<V>& seen) {
+    const V one = hn::Set(d, 1.0f), depth = hn::Mul(light.c[3], along);
     if (of.look.on) shade(d, of.look, m.gradient, rays, n, light);
-    const V depth = hn::Mul(light.c[3], along);
     // (1 - e^{-depth}) / depth, and e^{-depth}; the series where the difference cancels
     V part = hn::MulAdd(hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
                                    depth, hn::Set(d, -0.5f)),
@@ -284,7 +290,6 @@ HWY_INLINE V composite_part(D d, const SlabLight& of, const MomentLanes<V>& m, c
     const V weight = hn::Mul(hn::Mul(seen.passed, part), along);
     for (int c = 0; c < 3; ++c) seen.c[c] = hn::MulAdd(weight, light.c[c], seen.c[c]);
     seen.passed = hn::Mul(seen.passed, passed);
-    return depth;
 }
 
 using device::kSurfaceDepth, device::kSurfaceSteps;
@@ -293,7 +298,7 @@ using device::kSurfaceDepth, device::kSurfaceSteps;
 template <class V>
 struct NeighbourLanes {
     MomentLanes<V> m;
-    V trend;  ///< variance in a slab of means that change linearly from slab to slab
+    V trend;  ///< device::trend_between
 };
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE NeighbourLanes<V> neighbour(D d, const SlabCell& cell, int slab, std::size_t n,
@@ -306,7 +311,8 @@ HWY_INLINE NeighbourLanes<V> neighbour(D d, const SlabCell& cell, int slab, std:
         out.m = own;
         out.m.tau = zero;
     }
-    const V change = hn::IfThenElseZero(hn::Gt(out.m.tau, zero), hn::Sub(out.m.mean, own.mean));
+    const V share = hn::Div(out.m.tau, hn::Max(own.tau, hn::Set(d, 1e-30f)));
+    const V change = hn::Mul(hn::Min(share, hn::Set(d, 1.0f)), hn::Sub(out.m.mean, own.mean));
     out.trend = hn::Mul(hn::Mul(change, change), hn::Set(d, 1 / 12.0f));
     return out;
 }
@@ -363,25 +369,51 @@ HWY_INLINE bool composite_slab(D d, const SlabLight& light, int slab, const Cell
         if (hn::AllFalse(d, counts)) continue;
         for (std::size_t c = 0; c < 3; ++c) before.c[c] = hn::Load(d, cell.seen[c].data() + n);
         const MomentLanes<V> own = moments_at(d, cell.slab(slab), lit, n);
+        const V length = hn::Load(d, rays.length.data() + n), along = hn::Mul(own.tau, length);
+        const auto lit_of = [&](const MomentLanes<V>& m, V tau, int parts, hn::Mask<D> lanes) {
+            const V per_cell = hn::Set(d, light.light.parts_per_cell * static_cast<float>(parts));
+            return mean_light(d, light.light, m, hn::Mul(tau, per_cell), lanes);
+        };
+        // 1 / 32,768 of a pixel's light is not seen, of any number of slabs.
+        const auto some = hn::Gt(hn::Mul(along, hn::Set(d, light.light.most)),
+                                 hn::Set(d, 1.0f / static_cast<float>(32768 * cell.slabs)));
+        const LightLanes<V> own_light = lit_of(own, along, 1, hn::And(counts, some));
+        const V depth = hn::Mul(own_light.c[3], along);
+        if (hn::AllTrue(d, hn::Eq(depth, zero))) continue;
         SeenLanes<V> seen = before;
-        const V depth = composite_part(d, light, own, rays, n, counts, 1, seen);
-        const auto surface = hn::And(counts, hn::Ge(depth, hn::Set(d, kSurfaceDepth)));
-        if (!hn::AllFalse(d, surface)) {
+        V division = zero;
+        auto divides = hn::And(counts, hn::Gt(depth, hn::Set(d, kSurfaceDepth)));
+        if (!hn::AllFalse(d, divides)) {
+            const V one = hn::Set(d, 1.0f);
             const NeighbourLanes<V> beside[2] = {neighbour(d, cell, slab - 1, n, own),
                                                  neighbour(d, cell, slab + 1, n, own)};
-            MomentLanes<V> steps[kSurfaceSteps];
-            const V one = hn::Set(d, 1.0f);
-            const V division = hn::Min(hn::MulSub(depth, hn::Set(d, 1 / kSurfaceDepth), one), one);
-            divide_slab(d, own, beside, hn::Max(division, zero), steps);
-            SeenLanes<V> divided = before;
-            for (const MomentLanes<V>& step : steps) {
-                const auto open = hn::And(surface, hn::Ge(divided.passed, dark));
-                if (hn::AllFalse(d, open)) break;
-                composite_part(d, light, step, rays, n, open, kSurfaceSteps, divided);
+            const V own_share = hn::Max(hn::Mul(own.variance, hn::Set(d, device::kSurfaceShare)),
+                                        hn::Set(d, 1e-12f));
+            const V sloped = hn::Div(hn::Max(beside[0].trend, beside[1].trend), own_share);
+            const V deep = hn::Mul(depth, hn::Set(d, 1 / kSurfaceDepth));
+            division = hn::Min(hn::Sub(hn::Min(deep, sloped), one), one);
+            divides = hn::And(divides, hn::Gt(division, zero));
+            if (!hn::AllFalse(d, divides)) {
+                MomentLanes<V> steps[kSurfaceSteps];
+                divide_slab(d, own, beside, hn::Max(division, zero), steps);
+                SeenLanes<V> divided = before;
+                for (const MomentLanes<V>& step : steps) {
+                    const auto open = hn::And(divides, hn::Ge(divided.passed, dark));
+                    if (hn::AllFalse(d, open)) break;
+                    const V tau = hn::Mul(step.tau, length);
+                    composite_part(d, light, step, rays, n, tau,
+                                   lit_of(step, tau, kSurfaceSteps, open), divided);
+                }
+                for (int c = 0; c < 3; ++c)
+                    seen.c[c] = hn::IfThenElse(divides, divided.c[c], seen.c[c]);
+                seen.passed = hn::IfThenElse(divides, divided.passed, seen.passed);
             }
-            for (int c = 0; c < 3; ++c)
-                seen.c[c] = hn::IfThenElse(surface, divided.c[c], seen.c[c]);
-            seen.passed = hn::IfThenElse(surface, divided.passed, seen.passed);
+        }
+        if (!hn::AllTrue(d, divides)) {
+            SeenLanes<V> whole = before;
+            composite_part(d, light, own, rays, n, along, own_light, whole);
+            for (int c = 0; c < 3; ++c) seen.c[c] = hn::IfThenElse(divides, seen.c[c], whole.c[c]);
+            seen.passed = hn::IfThenElse(divides, seen.passed, whole.passed);
         }
         for (std::size_t c = 0; c < 3; ++c) hn::Store(seen.c[c], d, cell.seen[c].data() + n);
         hn::Store(seen.passed, d, cell.seen[3].data() + n);

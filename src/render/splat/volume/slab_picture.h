@@ -49,6 +49,7 @@ struct SlabPicture {
     const std::deque<SlabBatch>& batches;
     SlabDepths depths{};
     const SlabLight* light = nullptr;  ///< null: of a maximum
+    double unit = 1;                   ///< SplatModel::unit
     float most_share =
         0;  ///< of a maximum: largest share of the field's range per unit of kTau in a slab
 

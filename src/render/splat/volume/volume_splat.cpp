@@ -104,12 +104,15 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
         return;
     }
     const Clipping clip = relative_to(look.clip, gaussians->origin);
+    double radius[1] = {length()};
+    if (processes) processes->max(radius);
     const SlabView view{
         *gaussians, *field, range, frame, clip, double{model.cutoff}, model.limits.variance,
-        length(),   depth};
+        radius[0],  depth};
     const std::size_t most = TileBins::most_splats(width, height), own = gaussians->size();
     batches.resize(std::max<std::size_t>((own + most - 1) / most, 1));
     SlabPicture drawn{view, *kernels, polynomials, batches};
+    drawn.unit = model.unit;
     DepthRange depths = kNoDepths;
     for (std::size_t n = 0; n < batches.size(); ++n)
         depths.include(drawn.project(model, batches[n], n * most, std::min((n + 1) * most, own)));

@@ -47,10 +47,10 @@ export function lightOf({ colors, opacity, unit }, source) {
   const low = source.reference - source.unit, range = 2 * source.unit, own = (value) => (value - low) / range;
   const least = leastShare * Math.max(Math.abs(low), Math.abs(low + range));
   const light = (share) => {
-    const value = low + range * share;
-    let s = extinctionOf(walker(opacity)(value)[1], unit);
-    if (source.isMeasure) s = value > 0 ? s / Math.max(value, least) : 0;
-    return [...walker(colors)(value).slice(1), 1].map((c) => c * s);
+    const value = low + range * share, shown = source.isMeasure ? Math.max(value, least) : value;
+    let s = extinctionOf(walker(opacity)(shown)[1], unit);
+    if (source.isMeasure) s = value < 0 ? 0 : s / shown;
+    return [...walker(colors)(shown).slice(1), 1].map((c) => c * s);
   };
   const values = [...colors.map(([v]) => own(v)), ...opacity.map(([v]) => own(v)), ...(source.isMeasure ? [own(0), own(least)] : [])];
   const ends = [...new Set([0, 1, ...values.filter((v) => v > 0 && v < 1)])].sort((a, b) => a - b), pieces = [];
