@@ -50,9 +50,9 @@ struct MeanLight {
     /// Half of the columns lie over the whole range, half over the part of it where the transfer function changes:
     /// position = mean per_range + (clamp(mean, low, high) - low) per_part, 0 to 1.
     float low, high, per_range, per_part;
-    float first_seen = 0, last_seen = 1;  ///< no light below and above
-    float most = 0;                       ///< extinction per unit of tau
-    float parts_per_cell = 0;  ///< slabs, or other parts of the depth; 0: values are mixed
+    float first_seen, last_seen;  ///< no light below and above
+    float most;                   ///< extinction per unit of tau
+    float parts_per_cell;         ///< slabs, or other parts of the depth; 0: values are mixed
 
     VOG_HD float position(float mean) const {
         return mean * per_range + (fminf(fmaxf(mean, low), high) - low) * per_part;
