@@ -273,7 +273,7 @@ extern "C" __global__ void __anyhit__slabs() {
     ChordData& data = payload<ChordData>();
     Chord chord;
     if (reported_chord(data, chord)) {
-        const SplatValue value = launch.chords.slabs.values[optixGetPrimitiveIndex()];  // likewise
+        const SplatValue value = launch.chords.slabs.values[optixGetPrimitiveIndex()];
         add_moments(data, value, value_along(value, chord, to_float(data.chord.ray.direction)),
                     chord);
     }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "data/fields/field_limits.h"
 #include "render/by_value/slab_moments.h"
 #include "render/splat/fields/projected_mean.h"
 
@@ -31,8 +32,7 @@ void set_gradient(const SlabView& view, Vec3d g, float out[3]) {
 
 /// Standard deviation along the view, of all rays together.
 double view_deviation(const SlabView& view, std::size_t i) {
-    return length(times(own_forward(view.gaussians, i, view.frame),
-                        vec_cast<double>(view.gaussians.scale[i])));
+    return std::sqrt(variance_along(view.gaussians, i, view.frame.forward));
 }
 
 double mean_depth(const SlabView& view, std::size_t i) {

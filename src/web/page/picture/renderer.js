@@ -162,7 +162,7 @@ export class Renderer {
     return buffer;
   }
 
-  // Gaussians in the GPU's memory, a model, level or chunk: {count, buffer, fields: Map of places to {buffer, vector}, arrays}. Pictures are of lists of parts of such, [{gpu, first, count}].
+  // Gaussians of a model, level or chunk in the GPU's memory: {count, buffer, fields: Map of places to {buffer, vector}, arrays}. A picture shows a list of parts, [{gpu, first, count}].
 
   /** Copies instances to the GPU. */
   upload(instances) {

@@ -1,5 +1,5 @@
 // slabs.js: volume rendering by value: moments of a field added up in depth slabs, four a pass (with light two), classified and composited
-// front to back (docs/volume_rendering.md); maxima of a field, eight slabs a pass. Nothing is sorted. Slabs are of equal depth over the
+// front to back (docs/volume_rendering.md); largest values of a field, eight slabs a pass. Nothing is sorted. All slabs have the same depth and divide the
 // range of the picture, as in src/render/splat/volume.
 import { dot, normalized } from '../vectors.js';
 import { axesOf } from '../camera.js';
