@@ -119,8 +119,9 @@ constexpr float kSurfaceDepth = 0.2f, kSurfaceShare = 0.5f;
 /// How far the steps go towards the neighbours; not above 0: no steps. All the way at twice those, so that pictures have
 /// no edge where they are passed.
 /// trend  trend_between() of the neighbour that has more
-VOG_HD float division_of(float depth, float trend, float variance) {
-    const float sloped = trend / fmaxf(kSurfaceShare * variance, 1e-12f);
+/// lit    by depth alone: normals change from slab to slab where means do not
+VOG_HD float division_of(float depth, float trend, float variance, bool lit) {
+    const float sloped = lit ? 2 : trend / fmaxf(kSurfaceShare * variance, 1e-12f);
     return fminf(fminf(depth / kSurfaceDepth, sloped) - 1, 1.0f);
 }
 /// Variance in a slab of means that change linearly from slab to slab; towards one with less tau by its share, so that there
@@ -156,7 +157,7 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
     float color[4];
     light_of(light, look, own, 1, towards_eye, color);
     const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
-    const float division = division_of(color[3] * own.tau, trend, own.variance);
+    const float division = division_of(color[3] * own.tau, trend, own.variance, look.on);
     if (!(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;

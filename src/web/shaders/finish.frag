@@ -118,7 +118,11 @@ Moments step_between(Moments own, Moments other, float division, float at) {
 void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, float slant) {
     if (!(own.tau > 0.0)) return;
     vec4 light = unit * shaded(mean_light(own, slant), own.gradient, towards_eye);
+#ifdef LIT
+    float sloped = 2.0;  // by depth alone: normals change where means do not
+#else
     float sloped = max(trend_between(own, before), trend_between(own, behind)) / max(kSurfaceShare * own.variance, 1e-12);
+#endif
     float division = min(min(light.a * own.tau * slant / kSurfaceDepth, sloped) - 1.0, 1.0);
     if (!(division > 0.0)) {
         composite(light, own.tau * slant);

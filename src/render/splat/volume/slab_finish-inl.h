@@ -389,7 +389,8 @@ HWY_INLINE bool composite_slab(D d, const SlabLight& light, int slab, const Cell
                                                  neighbour(d, cell, slab + 1, n, own)};
             const V own_share = hn::Max(hn::Mul(own.variance, hn::Set(d, device::kSurfaceShare)),
                                         hn::Set(d, 1e-12f));
-            const V sloped = hn::Div(hn::Max(beside[0].trend, beside[1].trend), own_share);
+            const V sloped = lit ? hn::Set(d, 2.0f)
+                                 : hn::Div(hn::Max(beside[0].trend, beside[1].trend), own_share);
             const V deep = hn::Mul(depth, hn::Set(d, 1 / kSurfaceDepth));
             division = hn::Min(hn::Sub(hn::Min(deep, sloped), one), one);
             divides = hn::And(divides, hn::Gt(division, zero));
