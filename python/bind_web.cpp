@@ -90,11 +90,12 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
-    quantity.log = given.log.value_or(false);
+    if (given.log) quantity.fit = *given.log ? ScaleFit::log : ScaleFit::linear;
     if (request.transfer.range && request.show != Show::volume) {
         const auto [low, high] = *request.transfer.range;
         quantity.scale =
-            ColorScale{quantity.log ? ColorScale::Kind::log : ColorScale::Kind::linear, low, high};
+            ColorScale{given.log.value_or(false) ? ColorScale::Kind::log : ColorScale::Kind::linear,
+                       low, high};
         (void)scale_position(*quantity.scale, low);  // checks the range
     }
     if (request.show == Show::volume) choose_volume(quantity, request, given.log, model);

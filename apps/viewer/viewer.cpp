@@ -83,7 +83,7 @@ class Program {
         if (options.camera) session_.first_camera = options.camera;
         session_.quantity = options.quantity;
         session_.set_quantity(options.quantity.show, options.field);
-        if (options.logarithmic) session_.scale.kind = ColorScale::Kind::log;
+        session_.first_fit = options.fit;
         if (options.color_scale) session_.set_scale(*options.color_scale);
         session_.choose_transfer = options.choose_transfer;
         session_.open_film = options.open_film;

@@ -25,9 +25,9 @@ struct ViewerOptions {
     std::string field{};  ///< as field_for reads it; empty: the first one
     /// Of column, mean and deviation; none: of the first picture.
     std::optional<ColorScale> color_scale{};
-    bool logarithmic = false;          ///< of a scale that is fitted to the first view
-    ChooseTransfer choose_transfer{};  ///< of volume
-    bool steps = false;                ///< the files are models, steps in time
+    ScaleFit fit = ScaleFit::automatic;  ///< of a scale that is fitted to the first view
+    ChooseTransfer choose_transfer{};    ///< of volume
+    bool steps = false;                  ///< the files are models, steps in time
     OpenFilm open_film{};
     ReadFiles read;
 };

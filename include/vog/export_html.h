@@ -42,7 +42,8 @@ struct HtmlQuantity {
     std::string field{};
     /// Scale of column, mean, deviation or maximum, linear or logarithmic; none: of the first view.
     std::optional<ColorScale> scale{};
-    bool log = false;  ///< whether a scale of the first view is logarithmic
+    ScaleFit fit =
+        ScaleFit::automatic;  ///< fit of a scale of the first view; symmetric counts as linear
     /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
     std::optional<ValueTransfer> transfer{};
     VolumeLook look{};  ///< light of volume, and the clip of all quantities

@@ -77,6 +77,8 @@ inline bool is_depth(Show show) { return show == Show::depth || show == Show::co
 inline bool is_field_map(Show show) { return show == Show::mean || show == Show::deviation; }
 /// Whether a quantity shows the values of one scalar field at each point: volume and maximum.
 inline bool is_by_value(Show show) { return show == Show::volume || show == Show::maximum; }
+/// Whether the colours of a quantity are over a scale.
+inline bool has_scale(Show show) { return show != Show::depth && show != Show::volume; }
 
 /// Name of the number that a quantity shows, with its unit: "column density [g/cm2]", "deviation of temperature [K]".
 /// field  name of the shown part of the field (field_label); not used for T and column

@@ -35,7 +35,9 @@ double scale_position(const ColorScale& scale, double value);
 
 /// Fit of a scale to values.
 enum class ScaleFit {
-    automatic,  ///< linear; of volumes as value_scale (vog/picture.h) has it
+    /// Logarithmic where no value is below 0 and half of those above 0 would lie in the lowest quarter of a linear scale, else
+    /// linear; of volumes as value_scale (vog/picture.h) has it.
+    automatic,
     linear,     ///< from the 1st to the 99th percentile
     log,        ///< the same percentiles of the values above 0, at most four decades
     symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes

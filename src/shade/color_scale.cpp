@@ -79,6 +79,11 @@ double percentile(std::vector<float>& values, double share) {
     return double{*at};
 }
 
+/// Whether a linear scale up to `high` would have half of the values, all above 0, in its lowest quarter.
+bool crowd_below(std::vector<float>& values, double high) {
+    return !values.empty() && percentile(values, 0.5) < high / 4;
+}
+
 }  // namespace
 
 ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
@@ -90,7 +95,8 @@ ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
                              [](float value) { return value > 0; });
     }
     const double largest = shown.empty() ? 1 : double{*std::ranges::max_element(shown)};
-    if (fit != ScaleFit::log) return {Kind::linear, 0, largest};
+    if (fit != ScaleFit::log && !(fit == ScaleFit::automatic && crowd_below(shown, largest)))
+        return {Kind::linear, 0, largest};
     // One value alone gets the decade below it.
     const double faint = shown.empty() ? 0 : percentile(shown, kLow);
     return {Kind::log, std::max(std::min(faint, largest / 10), largest / kDecades), largest};
@@ -98,11 +104,17 @@ ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
 
 ColorScale fitted_scale(std::span<const float> values, ScaleFit fit) {
     constexpr double kLow = 0.01, kHigh = 0.99, kDecades = 1e4;
-    const bool log = fit == ScaleFit::log;
-    std::vector<float> counted;
-    for (const float value : values)
-        if (std::isfinite(value) && (!log || value > 0))
-            counted.push_back(fit == ScaleFit::symmetric ? std::abs(value) : value);
+    std::vector<float> counted, above;
+    for (const float value : values) {
+        if (!std::isfinite(value)) continue;
+        counted.push_back(fit == ScaleFit::symmetric ? std::abs(value) : value);
+        if (value > 0) above.push_back(value);
+    }
+    const bool log = fit == ScaleFit::log ||
+                     (fit == ScaleFit::automatic &&
+                      std::ranges::none_of(counted, [](float value) { return value < 0; }) &&
+                      !above.empty() && crowd_below(above, percentile(above, kHigh)));
+    if (log) counted = std::move(above);
     if (counted.empty() && log)
         throw Error("a logarithmic scale, expected at least one value above 0");
     if (counted.empty()) return {Kind::linear, fit == ScaleFit::symmetric ? -1.0 : 0.0, 1};

@@ -258,6 +258,8 @@ Json model_json(const HtmlModel& model, const HtmlOptions& options) {
             {"extinction", extinction},
             {"lowColumn", empty ? 0 : columns.low},
             {"mostColumn", empty ? 0 : columns.high},
+            {"logColumn",
+             automatic_scale({&depth, 1}, ScaleFit::automatic).kind == ColorScale::Kind::log},
             {"fields", fields_json(finest, view)},
             {"levels", Json::array()}};
 }
@@ -294,7 +296,7 @@ void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
 
 /// Request of the page's first picture (vog/picture_record.h).
 /// view  the first one
-Json picture_json(const Gaussians& model, const HtmlOptions& options, const Camera& view) {
+Json picture_json(const HtmlOptions& options, const Camera& view) {
     const HtmlQuantity& quantity = options.quantity;
     PictureRequest request;
     request.show = show_named(quantity.show);
@@ -303,10 +305,8 @@ Json picture_json(const Gaussians& model, const HtmlOptions& options, const Came
     request.shading = options.shading;
     request.look = quantity.look;
     request.options.clip = quantity.look.clip;
-    std::optional<ColorScale> scale = quantity.scale;
-    if (!scale && quantity.log && quantity.show != "T" && quantity.show != "volume")
-        scale = logarithmic_scale(model, quantity, view);
-    if (scale) {
+    if (has_scale(request.show)) request.fit = quantity.fit;
+    if (const auto& scale = quantity.scale) {
         request.transfer.range.emplace(scale->low, scale->high);
         request.fit = scale->kind == ColorScale::Kind::log ? ScaleFit::log : ScaleFit::linear;
     }
@@ -360,7 +360,7 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
     const Rgba& ground = options.shading.background;
     std::string map_name;
     Json page = {{"title", options.title},
-                 {"picture", picture_json(first, options, camera)},
+                 {"picture", picture_json(options, camera)},
                  {"upright", json_of(normalized(camera.up))},
                  {"chosenView", options.camera.has_value()},
                  {"systemBackground", options.system_background},

@@ -23,26 +23,24 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kBins = 96;
 constexpr int kViewSize = 256;
 
-/// Range of a map in the first view, as `vog render` chooses it; a number that is no range: null.
-Json range_of(const FieldMaps& maps, Show show, const std::vector<float>& shown) {
-    if (std::ranges::all_of(shown, [](float value) { return std::isnan(value); })) return nullptr;
-    const ColorScale scale = colored_map(maps, show, ScaleFit::linear).scale;
-    return {scale.low, scale.high};
+/// Scales of values in the first view, as `vog render` fits them: {linear, log, isLog}; without a number null.
+Json ranges_of(const std::vector<float>& values) {
+    if (std::ranges::all_of(values, [](float value) { return std::isnan(value); })) return nullptr;
+    const auto ends = [&](ScaleFit fit) {
+        const ColorScale scale = fitted_scale(values, fit);
+        return Json{scale.low, scale.high};
+    };
+    Json out{{"linear", ends(ScaleFit::linear)}};
+    if (std::ranges::any_of(values, [](float value) { return value > 0; }))
+        out["log"] = ends(ScaleFit::log);
+    out["isLog"] = fitted_scale(values, ScaleFit::automatic).kind == ColorScale::Kind::log;
+    return out;
 }
 
 Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& view) {
     const FieldMaps maps = render_field_splat(model, choice, view, kViewSize, kViewSize);
-    return {{"mean", range_of(maps, Show::mean, maps.mean)},
-            {"deviation", range_of(maps, Show::deviation, maps.deviation)}};
-}
-
-/// Range of the maximum in the first view, likewise.
-Json maximum_range(const Gaussians& model, const std::string& field, const Camera& view) {
-    const ValueMap map = render_maximum_splat(model, field, view, kViewSize, kViewSize);
-    if (std::ranges::all_of(map.value, [](float value) { return std::isnan(value); }))
-        return nullptr;
-    const ColorScale scale = fitted_scale(map.value, ScaleFit::linear);
-    return {scale.low, scale.high};
+    return {{"mean", ranges_of(values_for_scale(maps, maps.mean))},
+            {"deviation", ranges_of(values_for_scale(maps, maps.deviation))}};
 }
 
 /// Measure by value, the largest bin 1000.
@@ -85,7 +83,8 @@ Json fields_json(const Gaussians& model, const Camera& view) {
         entry["histogram"] = histogram(model, field, false);
         if (field.lower > 0) entry["logHistogram"] = histogram(model, field, true);
         entry["ranges"] = {{"", maps_json(model, {field.name, FieldPart::value}, view)}};
-        entry["ranges"][""]["maximum"] = maximum_range(model, field.name, view);
+        entry["ranges"][""]["maximum"] =
+            ranges_of(render_maximum_splat(model, field.name, view, kViewSize, kViewSize).value);
         all.push_back(std::move(entry));
     }
     for (const VectorField& field : model.fields.vector) {
@@ -99,28 +98,6 @@ Json fields_json(const Gaussians& model, const Camera& view) {
         all.push_back(std::move(entry));
     }
     return all;
-}
-
-ColorScale logarithmic_scale(const Gaussians& model, const HtmlQuantity& quantity,
-                             const Camera& view) {
-    if (quantity.show == "column") {
-        const DepthImage column = render_splat(model, view, kViewSize, kViewSize);
-        return automatic_scale({&column, 1}, ScaleFit::log);
-    }
-    std::string field = quantity.field;
-    if (quantity.show == "maximum") {
-        const auto own = std::ranges::find(model.fields.scalar, true, &ScalarField::is_measure);
-        if (field.empty())
-            field = own != model.fields.scalar.end() ? own->name : model.fields.names().front();
-        return fitted_scale(render_maximum_splat(model, field, view, kViewSize, kViewSize).value,
-                            ScaleFit::log);
-    }
-    if (field.empty()) field = model.fields.names().front();
-    const FieldMaps maps =
-        render_field_splat(model, field_choice(field, model.fields), view, kViewSize, kViewSize);
-    return fitted_scale(
-        values_for_scale(maps, quantity.show == "mean" ? maps.mean : maps.deviation),
-        ScaleFit::log);
 }
 
 }  // namespace vog::web

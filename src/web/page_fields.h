@@ -22,9 +22,4 @@ PageUnit page_unit(const VectorField& field);
 /// view  for the ranges of maps
 nlohmann::ordered_json fields_json(const Gaussians& model, const Camera& view);
 
-/// Logarithmic scale of a quantity in a model's first view, as `vog render --scale log` chooses it.
-/// throws  vog::Error for a field that the model lacks, and as fitted_scale does
-ColorScale logarithmic_scale(const Gaussians& model, const HtmlQuantity& quantity,
-                             const Camera& view);
-
 }  // namespace vog::web

@@ -156,7 +156,7 @@ def test_recolored_pictures_are_drawn_ones(gas, show):
 
 
 def test_recolored_scales(gas):
-    column = vog.render(gas, size=40, show="column")
+    column = vog.render(gas, size=40, show="column", scale="linear")
     assert column.scale == vog.Scale(0, column.values.max(), "linear") and column.scale.low == 0
     log = column.recolor(scale="log")
     assert log.scale.kind == "log" and log.scale.high == column.scale.high and log.scale.high / 1e4 <= log.scale.low < log.scale.high / 10

@@ -82,6 +82,30 @@ TEST(quantity, values_are_coloured_by_position_and_empty_pixels_by_the_backgroun
     EXPECT_THROW(shade_values(values_of({1}), gray, {Kind::linear, 0, 1}, {red, true}), Error);
 }
 
+TEST(quantity, automatic_scales_are_logarithmic_where_values_crowd_below) {
+    std::vector<float> even, crowded;
+    for (int n = 1; n <= 100; ++n) {
+        even.push_back(static_cast<float>(n));
+        crowded.push_back(static_cast<float>(std::exp(0.1 * n)));
+    }
+    const auto of = [](const std::vector<float>& values) {
+        DepthImage image(10, static_cast<int>(values.size() / 10));
+        image.depth = values;
+        return automatic_scale({&image, 1}, ScaleFit::automatic).kind;
+    };
+    EXPECT_EQ(of(even), Kind::linear);
+    EXPECT_EQ(of(crowded), Kind::log);
+    EXPECT_EQ(fitted_scale(even, ScaleFit::automatic).kind, Kind::linear);
+    EXPECT_EQ(fitted_scale(crowded, ScaleFit::automatic).kind, Kind::log);
+    EXPECT_EQ(fitted_scale(crowded, ScaleFit::linear).kind, Kind::linear);
+    crowded.insert(crowded.end(), 30, 0.0f);  // a logarithmic scale has no place for them
+    EXPECT_EQ(fitted_scale(crowded, ScaleFit::automatic).kind, Kind::log);
+    EXPECT_GT(fitted_scale(crowded, ScaleFit::automatic).low, 1);
+    crowded.back() = -1;
+    EXPECT_EQ(fitted_scale(crowded, ScaleFit::automatic).kind, Kind::linear);
+    EXPECT_EQ(fitted_scale(std::vector<float>(5, 0.0f), ScaleFit::automatic).kind, Kind::linear);
+}
+
 TEST(quantity, fitted_scales_span_percentiles) {
     std::vector<float> values{std::nanf("")};
     for (int n = 1; n <= 100; ++n) values.push_back(static_cast<float>(n) - 31);

@@ -213,7 +213,7 @@ TEST_F(quantity_gl, shading_of_sums_is_shade_map) {
             ShadeView view;
             view.show = show;
             view.unit = unit;
-            view.scale = fitted_scale_of(numbers, show, log);
+            view.scale = fitted_scale_of(numbers, show, log ? ScaleFit::log : ScaleFit::linear);
             view.least_column = static_cast<float>(kLeastColumn) * largest_column(numbers);
             view.checker = false;
             const ValueMap shown = colored_map(maps, show, ScaleFit::linear, view.scale).shown;
@@ -228,7 +228,7 @@ TEST_F(quantity_gl, differences_are_of_shares_of_the_scale) {
     ShadeView view;
     view.show = Show::mean;
     view.unit = unit_of(model.fields, "density");
-    view.scale = fitted_scale_of(numbers_of(sums, what, view.unit), Show::mean, false);
+    view.scale = fitted_scale_of(numbers_of(sums, what, view.unit), Show::mean, ScaleFit::linear);
     view.difference = true;
     view.checker = false;
     // An image less itself is grey wherever it shows something.

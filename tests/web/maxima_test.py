@@ -54,7 +54,7 @@ class Maxima(QuantityTest):
         vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "maximum", "--field", "temperature", "--slabs", 50)
         self.start("first.html")
         self.assertEqual(self.value("vog.page.slabs"), [32, 50, 64])
-        ends = self.value("vog.page.models[0].fields[0].ranges[''].maximum")
+        ends = self.value("vog.page.models[0].fields[0].ranges[''].maximum.linear")
         # A pixel that a rim just meets or misses has a value or none: measured shares.
         found = self.compared("flow.ply", "--show", "maximum", "--field", "temperature", "--slabs", 50, "--range", ",".join(map(repr, ends)))
         self.hold("maximum of temperature: off by more than 4", found["off_by_more_than_4"], FACTOR * 7.8e-4)

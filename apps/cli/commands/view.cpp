@@ -57,7 +57,7 @@ void set_quantity(viewer::ViewerOptions& options, const PictureRequest& request)
     options.quantity.slabs = request.slabs;
     options.field = stated.field;
     options.color_scale = stated.scale;
-    options.logarithmic = stated.log;
+    options.fit = stated.fit;
     options.choose_transfer = [request](const Gaussians& model, const std::string& name,
                                         bool first) {
         // Ranges and bands are of the first field; others begin with the map over their own range.

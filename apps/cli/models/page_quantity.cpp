@@ -23,11 +23,12 @@ HtmlQuantity stated_quantity(const PictureRequest& request) {
     if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
         throw UsageError(fmt::format("--clip: {} planes, expected at most {}",
                                      quantity.look.clip.planes.size(), kMostHtmlPlanes));
-    quantity.log = request.fit == ScaleFit::log;
+    quantity.fit = request.fit;
+    const bool log = request.fit == ScaleFit::log;
     using Kind = ColorScale::Kind;
     if (const auto& range = request.transfer.range; range && request.show != Show::volume)
-        quantity.scale = {quantity.log ? Kind::log : Kind::linear, range->first, range->second};
-    if (quantity.log && quantity.scale && !(quantity.scale->low > 0))
+        quantity.scale = {log ? Kind::log : Kind::linear, range->first, range->second};
+    if (log && quantity.scale && !(quantity.scale->low > 0))
         throw UsageError(fmt::format("--range {},{}: expected values above 0 with --scale log",
                                      quantity.scale->low, quantity.scale->high));
     return quantity;

@@ -114,18 +114,22 @@ bool same_kind(const ResolvedPicture& a, const ResolvedPicture& b) {
            (is_depth(a.request.show) || same(a.field, b.field)) && channels_of(a) == channels_of(b);
 }
 
-bool same_sums(const ResolvedPicture& a, const ResolvedPicture& b) {
+bool same_moments(const ResolvedPicture& a, const ResolvedPicture& b) {
     const PictureRequest &p = a.request, &q = b.request;
     const auto tie = [](const Camera& c) {
         return std::tie(c.eye, c.look_at, c.up, c.fov_degrees, c.orthographic_width);
     };
-    if (!same_kind(a, b) || p.width != q.width || p.height != q.height ||
-        tie(a.camera()) != tie(b.camera()) || !(p.options.clip == q.options.clip) ||
-        p.options.pixel_error != q.options.pixel_error)
-        return false;
-    if (!is_by_value(p.show)) return true;
-    return p.slabs == q.slabs &&
-           (is_largest(a) || (p.look == q.look && a.chosen.transfer == b.chosen.transfer));
+    return same_kind(a, b) && p.width == q.width && p.height == q.height &&
+           tie(a.camera()) == tie(b.camera()) && p.options.clip == q.options.clip &&
+           p.options.pixel_error == q.options.pixel_error &&
+           (!is_by_value(p.show) ||
+            (p.slabs == q.slabs && (is_largest(a) || p.look.light == q.look.light)));
+}
+
+bool same_sums(const ResolvedPicture& a, const ResolvedPicture& b) {
+    return same_moments(a, b) &&
+           (!is_by_value(a.request.show) || is_largest(a) ||
+            (a.request.look == b.request.look && a.chosen.transfer == b.chosen.transfer));
 }
 
 int channels_of(const ResolvedPicture& picture) {
@@ -213,16 +217,15 @@ float largest_column(const Sums& numbers) {
     return numbers.column.empty() ? 0 : std::ranges::max(numbers.column);
 }
 
-ColorScale fitted_scale_of(const Sums& numbers, Show show, bool log) try {
-    const ScaleFit fit = log ? ScaleFit::log : ScaleFit::linear;
+ColorScale fitted_scale_of(const Sums& numbers, Show show, ScaleFit fit) try {
     if (is_by_value(show)) return fitted_scale(numbers.maximum, fit);
     const FieldMaps maps{numbers.width, numbers.height, numbers.column, numbers.mean,
                          numbers.deviation};
     return colored_map(maps, show, fit).scale;
 } catch (const Error&) {
     // Nothing is above 0.
-    if (!log) throw;
-    return fitted_scale_of(numbers, show, false);
+    if (fit != ScaleFit::log) throw;
+    return fitted_scale_of(numbers, show, ScaleFit::linear);
 }
 
 }  // namespace vog::viewer

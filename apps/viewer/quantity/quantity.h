@@ -20,8 +20,6 @@ namespace vog::viewer {
 const char* name_of(Show show);
 /// Whether a quantity shows a field.
 inline bool of_field(Show show) { return !is_depth(show); }
-/// Whether a quantity's colours are over a scale.
-inline bool has_scale(Show show) { return show != Show::depth && show != Show::volume; }
 
 /// Quantity, and how it is drawn.
 struct Quantity {
@@ -65,6 +63,8 @@ ResolvedPicture sums_of(PictureRequest request, const FieldChoice& field,
                         const ValueTransfer* transfer = nullptr);
 /// Whether two such pictures are the same, camera and size included.
 bool same_sums(const ResolvedPicture& a, const ResolvedPicture& b);
+/// Whether they are, but for transfer function and light: the Gaussians add up to the same moments in slabs.
+bool same_moments(const ResolvedPicture& a, const ResolvedPicture& b);
 /// Whether two pictures have sums of one kind and field, which another view leaves comparable.
 bool same_kind(const ResolvedPicture& a, const ResolvedPicture& b);
 /// Channels of the sums of such a picture (SumImage).
@@ -84,9 +84,9 @@ Sums numbers_of(const SumImage& sums, const ResolvedPicture& picture, FieldUnit 
 SumImage sums_from(Sums numbers, const ResolvedPicture& picture, FieldUnit unit);
 /// T, or the column.
 DepthImage depth_of(const Sums& numbers);
-/// Scale that fits the numbers, linear or logarithmic, as `vog render` fits it.
+/// Scale that fits the numbers, as `vog render` fits it.
 /// returns  0 to 1 where nothing is shown
-ColorScale fitted_scale_of(const Sums& numbers, Show show, bool log);
+ColorScale fitted_scale_of(const Sums& numbers, Show show, ScaleFit fit);
 /// Largest column; of largest values 1, the column of their sums.
 float largest_column(const Sums& numbers);
 

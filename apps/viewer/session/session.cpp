@@ -257,7 +257,7 @@ void Session::inspect() {
     most_column_ = largest_column(inspected_);
     if (has_depth()) inspect_visibility();
     if (has_scale(quantity.show) && scale_open_) {
-        fit_scale();
+        scale = fitted_scale_of(inspected_, quantity.show, first_fit);
         scale_open_ = !(loaded() && left_.complete());
     }
 }

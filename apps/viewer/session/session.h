@@ -79,6 +79,7 @@ class Session {
     Camera camera;
     Look look;  ///< changes take effect with look_changed()
     /// Initial view of opened files.
+    ScaleFit first_fit = ScaleFit::automatic;  ///< of scales that are not stated
     std::function<Camera(const Subject&)> first_camera = [](const Subject& subject) {
         return orbit_view(subject, first_orbit(subject));
     };
@@ -230,7 +231,6 @@ class Session {
     std::string probe_volume(int column, int row) const;
     void begin_values();
     void update_quantity();
-    void fit_scale();
     FieldUnit field_unit() const;
     Sums numbers() const;
     bool has_depth() const;

@@ -103,15 +103,12 @@ void Session::set_scale(const ColorScale& wanted) {
     scale_open_ = false;
 }
 
-void Session::fit_scale() {
-    scale = fitted_scale_of(inspected_, quantity.show, scale.kind == ColorScale::Kind::log);
-}
-
 void Session::automatic_scale() {
     if (quantity.show == Show::volume) {
         values_of_.clear();
     } else if (has_scale(quantity.show)) {
-        fit_scale();
+        const bool log = scale.kind == ColorScale::Kind::log;
+        scale = fitted_scale_of(inspected_, quantity.show, log ? ScaleFit::log : ScaleFit::linear);
     }
 }
 

@@ -54,7 +54,7 @@ export class Controls {
     // Ends of the first view follow the kind of scale; typed ones stay.
     on('log', 'change', () => {
       if (this.state.scale?.low !== undefined) this.setScale();
-      else change({ scale: find('log').checked ? { log: true } : null });
+      else change({ scale: { log: find('log').checked } });
     });
     on('fit-scale', 'click', () => change({ scale: null }));
     this.attachTransfer(on, commands);

@@ -54,18 +54,18 @@ export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
 const logDecades = 4;  // as `vog render --scale log`
 
 /**
- * The scale {low, high, log} of the first view; over all models where they are steps.
- * isLog  logarithmic where values are above 0: four decades at most
+ * The scale {low, high, log} of the first view, four decades at most; over all models where they are steps.
+ * isLog  logarithmic where values are above 0; undefined: where their distribution asks for it
  */
-export function automaticScale(models, { show, field, part }, isLog = false) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const model of models) {
-    const ends = show === 'column' ? [isLog ? model.lowColumn : 0, model.mostColumn]
-      : ofField(show) && show !== 'volume' ? model.fields[field]?.ranges[part]?.[show] : null;
-    if (ends) [low, high] = [Math.min(low, ends[0]), Math.max(high, ends[1])];
-  }
+export function automaticScale(models, { show, field, part }, isLog) {
+  const ranges = models.map((model) => {
+    if (show === 'column') return { linear: [0, model.mostColumn], log: [model.lowColumn, model.mostColumn], isLog: model.logColumn };
+    return ofField(show) && show !== 'volume' ? model.fields[field]?.ranges[part]?.[show] : null;
+  }).filter(Boolean);
+  const log = (isLog ?? ranges.some((range) => range.isLog)) && ranges.every((range) => range.log), ends = ranges.map((range) => (log ? range.log : range.linear));
+  const low = Math.min(...ends.map(([end]) => end)), high = Math.max(...ends.map(([, end]) => end));
   if (!(low < high)) return { low: 0, high: 1, log: false };
-  return isLog && high > 0 ? { low: Math.max(low, high / 10 ** logDecades), high, log: true } : { low, high, log: false };
+  return log ? { low: Math.max(low, high / 10 ** logDecades), high, log } : { low, high, log };
 }
 
 /** Models of one scale: steps in time, else the shown one. */

@@ -84,7 +84,8 @@ std::vector<Entry> quantity_entries() {
          pair(VOG_MEMBER(transfer.range), true, "LO,HI, two numbers, the first below the second")},
         {{"scale", kQuantity, "",
           "Colour scale: linear, log, for fields symmetric, whose range is centred at 0, or auto: "
-          "linear, of volume log where values above 0 extend over a decade and more",
+          "log where half of the values would lie in the lowest quarter of a linear scale, for "
+          "volume where values above 0 extend over a decade and more; else linear",
           "auto", scales, kOfScales},
          choice(VOG_MEMBER(fit), scales)},
         {{"units",

@@ -15,7 +15,7 @@ export function firstState(page, panel) {
     model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: false,
     camera: null, embed: false, still: false, subframes: 8, panel, bar: true,
     show: 'T', field: -1, part: '',
-    scale: null,     // null: the first view's; {log: true}: its logarithm
+    scale: null,     // null: the first view's; {log}: its logarithm, or not
     transfers: {},   // edited ones, by field
     light: { on: false, towards: [0, 0, 0], weights: page.picture.light_weights }, clip: null, planes: [],
     logAxis: false,  // of the values in the editor

@@ -181,7 +181,7 @@ export function partOfRequest(page, state, request, home) {
   } else if (!volume && stated('range', 'scale')) {
     const { range, scale } = request, log = scale === 'log';
     if (areNumbers(range, 2) && range[0] < range[1] && (!log || range[0] > 0)) part.scale = { low: range[0], high: range[1], log };
-    else if (!range) part.scale = log ? { log } : null;
+    else if (!range) part.scale = log || scale === 'linear' ? { log } : null;
     else if (log) wrong('range', 'values above 0 with scale log');
   }
   return { part, background, problems };
