@@ -310,4 +310,49 @@ TEST_F(quantity_gl, volumes_by_value_are_the_cpus) {
         }
 }
 
+TEST_F(quantity_gl, edits_under_one_camera_draw_no_gaussians) {
+    const Gaussians model = cloud_with_fields();
+    const ScalarField& values = model.fields.scalar.front();
+    const double middle = std::midpoint(values.lower, values.upper);
+    const ValueTransfer ramp =
+        over_range(named_transfer_function("viridis"), values.lower, values.upper, 6);
+    const ValueTransfer band = band_transfer({{middle, values.upper, 1, 0.6f, 0.2f, 0.9}}, 4);
+    const GlModel on_device(model);
+    const GlField field(on_device, model, {"density", FieldPart::value});
+    const GlTarget target(GL_RGBA32F, kWidth, kHeight);
+    GlSlabs slabs;
+    KeptSlabs kept;
+    const auto draw = [&](const ResolvedPicture& picture, KeptSlabs* keep, Jitter jitter = {}) {
+        target.clear();
+        slabs.add({&on_device, &field, &values, picture}, picture.camera(), jitter, target, keep);
+        return target.read_floats();
+    };
+    const auto is_drawn_anew = [&](const ResolvedPicture& picture) {
+        const int before = kept.drawn();
+        EXPECT_EQ(draw(picture, &kept), draw(picture, nullptr));
+        return kept.drawn() > before;
+    };
+    VolumeLook lit, aside, clipped;
+    lit.light = aside.light = true;
+    aside.towards_light = {1, 2, -1};
+    clipped.clip = middle_of(model);
+    const Camera camera = paper_view(view_box(model));
+    const auto of = [&](const ValueTransfer& transfer, const VolumeLook& look = {},
+                        std::optional<int> count = 32) {
+        return picture_of(Show::volume, "density", camera, look, count, &transfer);
+    };
+    EXPECT_TRUE(is_drawn_anew(of(ramp)));
+    EXPECT_FALSE(is_drawn_anew(of(band)));
+    draw(of(band), &kept, {0.2, 0.3});  // a sub-frame of the still picture
+    EXPECT_FALSE(is_drawn_anew(of(ramp)));
+    EXPECT_TRUE(is_drawn_anew(of(ramp, lit)));
+    EXPECT_FALSE(is_drawn_anew(of(band, aside)));
+    EXPECT_TRUE(is_drawn_anew(of(ramp, clipped)));
+    EXPECT_TRUE(is_drawn_anew(of(ramp, {}, 30)));
+    EXPECT_TRUE(is_drawn_anew(of(ramp)));
+    ResolvedPicture aside_seen = of(ramp);
+    aside_seen.request.camera->eye.x += 0.1;
+    EXPECT_TRUE(is_drawn_anew(aside_seen));
+}
+
 }  // namespace vog::test

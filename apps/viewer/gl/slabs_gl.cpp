@@ -7,6 +7,7 @@
 
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_image.h"
+#include "vog/error.h"
 #include "vog/volume_picture.h"
 
 namespace vog::viewer {
@@ -15,8 +16,18 @@ namespace {
 
 constexpr int kLayers = 4, kLitLayers = 2, kMeanLayers = 8;  // slabs a pass: slab.frag
 constexpr int kMostPixels = 1 << 20;  // in the images of slabs; larger pictures are drawn in strips
-constexpr int kPieceColumns = 1024;   // expected.glsl
-constexpr float kRounding = 4e-7f;    // device::moments_of
+constexpr std::size_t kMostKept = std::size_t{3} << 28;     // bytes of sums
+constexpr std::size_t kPixelBytes = 4 * 4 * sizeof(float);  // of a pass
+constexpr int kPieceColumns = 1024;                         // expected.glsl
+constexpr float kRounding = 4e-7f;                          // device::moments_of
+
+int slabs_a_pass(const GlVolume& volume) {
+    return volume.picture.request.look.light ? kLitLayers : kLayers;
+}
+int passes_of(const GlVolume& volume) {
+    const int in_pass = slabs_a_pass(volume);
+    return (volume.slabs() + in_pass - 1) / in_pass;
+}
 
 float as_float(double v) { return static_cast<float>(v); }
 
@@ -24,6 +35,26 @@ const std::vector<std::string> kSlabShaders{"erf.glsl", "chord.glsl", "slab.frag
 const std::vector<std::string> kFinishShaders{"erf.glsl", "expected.glsl", "finish.frag"};
 
 }  // namespace
+
+bool KeptSlabs::has(const GlVolume& volume) const {
+    return of_ && of_->first == volume.field->id() && same_moments(of_->second, volume.picture);
+}
+
+bool KeptSlabs::require(int targets, int width, int rows) {
+    const auto count = static_cast<std::size_t>(targets);
+    const bool fit = count * static_cast<std::size_t>(width * rows) <= kMostKept / kPixelBytes;
+    if (fit && targets_.size() == count && targets_.front().width() == width &&
+        targets_.front().height() == rows)
+        return true;
+    targets_.clear();
+    of_.reset();
+    try {
+        while (fit && targets_.size() < count) targets_.emplace_back(GL_RGBA32F, width, rows, 4);
+    } catch (const Error&) {
+        targets_.clear();
+    }
+    return targets_.size() == count;
+}
 
 GlSlabs::GlSlabs()
     : range_program_("splat.vert", {"ranges.frag"}, "RANGES"),
@@ -43,7 +74,8 @@ void GlSlabs::require_targets(const GlVolume& volume, int width, int height) {
         if (!target || target->width() != w || target->height() != h)
             target.emplace(format, w, h, images);
     };
-    const int rows = std::clamp(kMostPixels / width, 1, height);
+    const int strips = std::min((width * height + kMostPixels - 1) / kMostPixels, height);
+    const int rows = (height + strips - 1) / strips;
     require(layers_, GL_RGBA32F, width, rows, 4);  // images of four numbers
     require(strip_, GL_RGBA32F, width, rows, 1);
     if (volume.transfer())
@@ -95,8 +127,9 @@ void GlSlabs::draw_range(const GlVolume& volume, const CameraFrame& frame, Jitte
 }
 
 void GlSlabs::draw_layers(const GlVolume& volume, const GlProgram& program, int in_pass,
-                          const CameraFrame& frame, Jitter jitter, int first, int slab) {
-    layers_->clear();
+                          const CameraFrame& frame, Jitter jitter, int first, int slab,
+                          const GlTarget& layers) const {
+    layers.clear();
     if (slab >= volume.slabs()) return;
     glViewport(0, -first, frame.width, frame.height);
     set_view(program, *volume.model, frame, jitter, volume.picture.request.options.clip);
@@ -117,7 +150,7 @@ void GlSlabs::draw_largest(const GlVolume& volume, const CameraFrame& frame, Jit
     // The largest density of each pixel's slabs, then the largest of the means that count.
     for (const bool means : {false, true})
         for (int slab = 0; slab < volume.slabs(); slab += kMeanLayers) {
-            draw_layers(volume, mean_program_, kMeanLayers, frame, jitter, first, slab);
+            draw_layers(volume, mean_program_, kMeanLayers, frame, jitter, first, slab, *layers_);
             (means ? strip_ : densest_)->bind();
             program.use();
             program.sample({{"layer_0", layers_->texture(0)},
@@ -167,27 +200,30 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
                 Vec3d{dot(light, frame.right), dot(light, frame.up), dot(light, frame.forward)});
 }
 
-void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter,
-                         int first) {
-    const int lit = volume.picture.request.look.light ? 1 : 0, in_pass = lit ? kLitLayers : kLayers;
+void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first,
+                         const GlTarget* kept, bool draws) {
+    const int lit = volume.picture.request.look.light ? 1 : 0, in_pass = slabs_a_pass(volume);
     const GlProgram& finish = finish_programs_[lit];
     strip_->clear();
-    layers_->clear();
+    before_->clear();
+    const GlTarget* before = &*before_;
     // The last slab is composited with what is behind it, nothing.
-    for (int slab = 0; slab <= volume.slabs(); slab += in_pass) {
-        std::swap(layers_, before_);
-        draw_layers(volume, slab_programs_[lit], in_pass, frame, jitter, first, slab);
+    for (int slab = 0, pass = 0; slab <= volume.slabs(); slab += in_pass, ++pass) {
+        const bool any = slab < volume.slabs();
+        const GlTarget& layers = kept && any ? kept[pass] : pass % 2 == 0 ? *layers_ : *before_;
+        if (draws || !any)
+            draw_layers(volume, slab_programs_[lit], in_pass, frame, jitter, first, slab, layers);
         // Under what is in front.
         strip_->bind();
         set_finish(finish, volume, frame, jitter, first);
-        finish.sample({{"before_0", before_->texture(0)},
-                       {"before_1", before_->texture(1)},
-                       {"before_2", before_->texture(2)},
-                       {"before_3", before_->texture(3)},
-                       {"layer_0", layers_->texture(0)},
-                       {"layer_1", layers_->texture(1)},
-                       {"layer_2", layers_->texture(2)},
-                       {"layer_3", layers_->texture(3)},
+        finish.sample({{"before_0", before->texture(0)},
+                       {"before_1", before->texture(1)},
+                       {"before_2", before->texture(2)},
+                       {"before_3", before->texture(3)},
+                       {"layer_0", layers.texture(0)},
+                       {"layer_1", layers.texture(1)},
+                       {"layer_2", layers.texture(2)},
+                       {"layer_3", layers.texture(3)},
                        {"table", table_},
                        {"pieces", pieces_}});
         glEnable(GL_BLEND);
@@ -195,23 +231,37 @@ void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitte
         glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);
         draw_screen();
         glDisable(GL_BLEND);
+        before = &layers;
     }
 }
 
 void GlSlabs::add(const GlVolume& volume, const Camera& camera, Jitter jitter,
-                  const GlTarget& target) {
+                  const GlTarget& target, KeptSlabs* kept) {
     if (volume.model->size() == 0) return;
     const CameraFrame frame = frame_of(camera, target.width(), target.height());
     require_targets(volume, frame.width, frame.height);
     if (volume.transfer()) set_light(volume);
-    draw_range(volume, frame, jitter);
-    for (int first = 0; first < frame.height; first += strip_->height()) {
-        if (volume.transfer())
-            draw_strip(volume, frame, jitter, first);
-        else
+    const int rows = strip_->height(), strips = (frame.height + rows - 1) / rows;
+    // Further sub-frames are drawn once the picture stands still: editing shows the first.
+    if (!volume.transfer() || jitter.x != 0 || jitter.y != 0 ||
+        (kept && !kept->require(strips * passes_of(volume), frame.width, rows)))
+        kept = nullptr;
+    const bool draws = !(kept && kept->has(volume));
+    if (draws) draw_range(volume, frame, jitter);
+    if (kept && draws) {
+        ++kept->drawn_;
+        kept->of_.emplace(volume.field->id(), volume.picture);
+    }
+    const GlTarget* sums = kept ? kept->targets_.data() : nullptr;
+    for (int first = 0; first < frame.height; first += rows) {
+        if (volume.transfer()) {
+            draw_strip(volume, frame, jitter, first, sums, draws);
+            if (sums) sums += passes_of(volume);
+        } else {
             draw_largest(volume, frame, jitter, first);
+        }
         target.bind();
-        glViewport(0, first, frame.width, std::min(strip_->height(), frame.height - first));
+        glViewport(0, first, frame.width, std::min(rows, frame.height - first));
         const GlProgram& copy = volume.transfer() ? copy_program_ : copy_means_program_;
         copy.use();
         copy.sample({{"image", strip_->texture()}});

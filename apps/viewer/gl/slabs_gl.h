@@ -3,8 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "gl/field_gl.h"
+#include "quantity/quantity.h"
 #include "render/device/expected_light.h"
 #include "vog/picture.h"
 
@@ -24,23 +27,48 @@ struct GlVolume {
     int slabs() const { return depth_slabs(picture.request); }
 };
 
+/// Sums of all slabs of a picture with a transfer function, which another one, or another light, classifies anew.
+class KeptSlabs {
+  public:
+    /// Pictures whose Gaussians were drawn; the others came from kept sums.
+    int drawn() const { return drawn_; }
+
+  private:
+    friend class GlSlabs;
+    /// Whether the sums of a picture are here, but for strips of another size.
+    bool has(const GlVolume& volume) const;
+    /// Makes memory for a picture.
+    /// returns  false: it would take more than 768 MB, or there is not as much
+    bool require(int targets, int width, int rows);
+
+    std::vector<GlTarget> targets_;                                ///< [strips][passes]
+    std::optional<std::pair<std::uint64_t, ResolvedPicture>> of_;  ///< field and picture
+    int drawn_ = 0;
+};
+
 class GlSlabs {
   public:
     GlSlabs();
     /// Adds a picture to `target` (RGBA32F, rows from the top): premultiplied colours, or sums of a field of
     /// column 1 (SumImage) where there is one.
     /// throws  vog::Error for an invalid transfer function
-    void add(const GlVolume& volume, const Camera& camera, Jitter jitter, const GlTarget& target);
+    /// kept    sums of the picture before, in place of drawing the same again; receives those drawn; null: none are kept
+    void add(const GlVolume& volume, const Camera& camera, Jitter jitter, const GlTarget& target,
+             KeptSlabs* kept = nullptr);
 
   private:
     void require_targets(const GlVolume& volume, int width, int height);
     void set_light(const GlVolume& volume);
-    /// Adds Gaussians to some slabs of a strip: layers_.
+    /// Adds Gaussians to some slabs of a strip.
     void draw_layers(const GlVolume& volume, const GlProgram& program, int in_pass,
-                     const CameraFrame& frame, Jitter jitter, int first, int slab);
+                     const CameraFrame& frame, Jitter jitter, int first, int slab,
+                     const GlTarget& layers) const;
     void draw_largest(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first);
     void draw_range(const GlVolume& volume, const CameraFrame& frame, Jitter jitter);
-    void draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first);
+    /// kept  the strip's sums, a target a pass; null: they are not kept
+    /// draws  whether to draw them
+    void draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first,
+                    const GlTarget* kept, bool draws);
     void set_finish(const GlProgram& program, const GlVolume& volume, const CameraFrame& frame,
                     Jitter jitter, int first) const;
     void draw_screen() const;
@@ -50,6 +78,9 @@ class GlSlabs {
     GlVertexArray no_vertices_;
     GlTexture pieces_, table_;
     std::optional<GlTarget> layers_, before_, range_, strip_, densest_;
+    std::vector<GlTarget> kept_;                                        ///< [strips][passes]
+    std::optional<std::pair<std::uint64_t, ResolvedPicture>> kept_of_;  ///< field and picture
+    int drawn_ = 0;
     std::uint64_t lit_field_ = 0;  ///< field and transfer function of the light
     std::optional<ValueTransfer> lit_transfer_;
     device::MeanLight light_{};  ///< without its arrays

@@ -70,7 +70,7 @@ GlModelFields& ProgressivePicture::cut_model(GlModels& models, const Gaussians*&
 }
 
 void ProgressivePicture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
-                                  GlRenderers& gl) const {
+                                  GlRenderers& gl) {
     const ResolvedPicture& picture = key_.picture;
     const PictureRequest& request = picture.request;
     const Camera& camera = picture.camera();
@@ -85,7 +85,7 @@ void ProgressivePicture::add_sums(const Gaussians& gaussians, GlModelFields& on_
     if (!gl.slabs) gl.slabs.emplace();
     gl.slabs->add(
         {&on_device.model(), field, gaussians.fields.find_scalar(picture.field.field), picture},
-        camera, jitter, *target_);
+        camera, jitter, *target_, &kept_);
 }
 
 void ProgressivePicture::update_gl(int subframes, GlRenderers& gl) {

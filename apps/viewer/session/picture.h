@@ -93,7 +93,7 @@ class ProgressivePicture {
 
   private:
     void update_gl(int subframes, GlRenderers& gl);
-    void add_sums(const Gaussians& gaussians, GlModelFields& on_device, GlRenderers& gl) const;
+    void add_sums(const Gaussians& gaussians, GlModelFields& on_device, GlRenderers& gl);
     GlModelFields& cut_model(GlModels& models, const Gaussians*& gaussians);
     void update_cpu(int subframes, GpuUpload& gpu);
     void request(int rays, GpuUpload& gpu);
@@ -117,6 +117,7 @@ class ProgressivePicture {
     std::string error_;
     const char* way_ = "";
     std::optional<GlTarget> target_;
+    KeptSlabs kept_;  ///< of a picture with a transfer function
     std::optional<GlTimer> timer_;
     std::unique_ptr<BackgroundRenderer> cpu_;
     std::uint64_t cpu_key_ = 0;

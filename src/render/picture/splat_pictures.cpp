@@ -61,9 +61,10 @@ class SplatPictures : public SourceRenderer {
         options.slabs = depth_slabs(request);
         const ValueTransfer& transfer = picture.chosen.transfer;
         // Made with the first transfer function, then kept for pictures under others.
-        Kept wanted{picture.field.field, options.slabs, options.look};
+        Kept wanted{picture.field.field, options.slabs, options.look.light, options.look.clip};
         if (slabs_ && kept_ == wanted) {
             slabs_->set_transfer(transfer);
+            slabs_->set_light(options.look);
         } else {
             slabs_.emplace(model(), wanted.field, transfer, options);
             kept_ = std::move(wanted);
@@ -73,11 +74,12 @@ class SplatPictures : public SourceRenderer {
     }
 
   private:
-    /// What slabs depend on beside the transfer function.
+    /// What slabs depend on beside transfer function and light.
     struct Kept {
         std::string field;
         int slabs = 0;
-        VolumeLook look{};
+        bool lit = false;
+        Clipping clip{};
         friend bool operator==(const Kept&, const Kept&) = default;
     };
 

@@ -247,6 +247,47 @@ TEST(volume_splat, an_earlier_picture_leaves_no_trace) {
     EXPECT_EQ(picture.pixel.front(), (Rgba{0, 0, 0, 0}));
 }
 
+TEST(volume_splat, edits_under_one_view_draw_no_gaussians) {
+    const Gaussians model = cloud_of_values();
+    const ScalarField& field = model.fields.scalar.front();
+    ValueTransfer transfers[] = {rainbow(field), rainbow(field)};
+    transfers[1].unit_distance *= 0.3;
+    const Camera camera = towards({6, 5, 9}, {0.5, 0.5, 0.5}, false);
+    for (const bool lit : {false, true}) {
+        SlabOptions options;
+        options.look.light = lit;
+        SlabRenderer renderer(model, field.name, transfers[0], options);
+        int edit = 0;
+        const auto is_drawn = [&](const Camera& from, int width, bool edits = true) {
+            if (edits) ++edit;
+            if (edits && lit) options.look.towards_light = {1, 0.1 * edit, 0};
+            const ValueTransfer& transfer = transfers[lit ? 0 : edit % 2];
+            renderer.set_transfer(transfer);
+            renderer.set_light(options.look);
+            const int before = renderer.drawn();
+            const VolumeImage expected =
+                render_volume_splat(model, field.name, transfer, from, width, width / 2, options);
+            EXPECT_GT(psnr(renderer.render(from, width, width / 2), expected), 120);
+            return renderer.drawn() > before;
+        };
+        EXPECT_TRUE(is_drawn(camera, 200));
+        EXPECT_TRUE(is_drawn(camera, 200));  // the first edit keeps its sums
+        EXPECT_FALSE(is_drawn(camera, 200));
+        EXPECT_TRUE(is_drawn(camera, 400, false));  // more rays a pixel, once the view stands still
+        EXPECT_FALSE(is_drawn(camera, 200));
+        EXPECT_TRUE(is_drawn(camera, 200, false));  // the same again
+        Camera other = camera;
+        other.eye.x += 1;
+        EXPECT_TRUE(is_drawn(other, 200));
+        EXPECT_TRUE(is_drawn(other, 200));
+        EXPECT_FALSE(is_drawn(other, 200));
+        EXPECT_TRUE(is_drawn(camera, 200));
+        VolumeLook unfit = options.look;
+        unfit.light = !lit;
+        EXPECT_THROW(renderer.set_light(unfit), Error);
+    }
+}
+
 TEST(volume_splat, clips_cut_each_ray) {
     const Gaussians model = row_of_values(1, 0);
     const ValueTransfer transfer = two_colors();

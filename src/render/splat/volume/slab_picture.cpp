@@ -6,6 +6,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "core/parallel.h"
 #include "render/splat/volume/slab_maximum.h"
 
 namespace vog::splat {
@@ -35,6 +36,21 @@ DepthRange SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::
         all.include(range);
     });
     return all;
+}
+
+void KeptSums::begin(int tiles) {
+    tiles_.clear();
+    tiles_.resize(static_cast<std::size_t>(tiles));
+    bytes_ = 0;
+}
+
+void KeptSums::add(int t, const SlabCell& cell) {
+    if (!cell.touched()) return;
+    const auto planes = static_cast<std::size_t>((cell.highest - cell.lowest + 1) * cell.channels);
+    if ((bytes_ += planes * sizeof(SlabPlane)) > kMostBytes) return;
+    const SlabPlane* first = cell.slab(cell.lowest);
+    tiles_[static_cast<std::size_t>(t)].push_back(
+        {cell.column, cell.row, cell.lowest, cell.highest, {first, first + planes}});
 }
 
 bool SlabPicture::find(int t, SlabBuffers& buffers) const {
@@ -158,15 +174,28 @@ void SlabPicture::draw_tile(int t, SlabBuffers& buffers, Rgba* image) const {
             write(cell, image);
             continue;
         }
-        if (light) {
+        if (light && !kept) {
             slab_kernels(kernels).draw({buffers.runs, polynomials, view.frame}, *light, cell);
             write(cell, image);
             cell.clear();
         } else {
             sum_cell(buffers);
+            if (kept) kept->add(t, cell);
             finish_cell(cell, image);
         }
     }
+}
+
+void SlabPicture::draw_kept(tbb::enumerable_thread_specific<SlabBuffers>& buffers,
+                            Rgba* image) const {
+    const CameraFrame& frame = view.frame;
+    std::fill_n(image,
+                static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
+                Rgba{0, 0, 0, 0});
+    vog::parallel_for(0, kept->tiles(), [&](int t) {
+        SlabCell& cell = buffers.local().cell;
+        kept->each_cell(t, cell, [&] { finish_cell(cell, image); });
+    });
 }
 
 }  // namespace vog::splat

@@ -2,7 +2,11 @@
 // added and composited front to back.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <deque>
 #include <limits>
 #include <vector>
@@ -34,6 +38,40 @@ struct SlabBuffers {
     std::vector<CellRun> runs;           ///< [batches] of a cell
 };
 
+/// Sums of a picture, which are finished again under another transfer function or light.
+class KeptSums {
+  public:
+    /// Memory that they take at most, bytes.
+    static constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+
+    /// Forgets all; tiles of a picture that follows.
+    void begin(int tiles);
+    /// Adds a cell of tile t. For one thread per tile.
+    void add(int t, const SlabCell& cell);
+    /// Whether all cells are here: they had enough memory.
+    bool complete() const { return !tiles_.empty() && bytes_ <= kMostBytes; }
+    int tiles() const { return static_cast<int>(tiles_.size()); }
+    /// Calls visit() once for each cell of tile t, whose sums it puts into `cell`, all 0 before and after.
+    template <class Visit>
+    void each_cell(int t, SlabCell& cell, const Visit& visit) const {
+        for (const Kept& kept : tiles_[static_cast<std::size_t>(t)]) {
+            cell.column = kept.column, cell.row = kept.row;
+            cell.touch(kept.lowest, kept.highest);
+            std::ranges::copy(kept.planes, cell.slab(kept.lowest));
+            visit();
+        }
+    }
+
+  private:
+    struct Kept {
+        std::int32_t column, row;
+        int lowest, highest;
+        std::vector<SlabPlane> planes;
+    };
+    std::vector<std::vector<Kept>> tiles_;
+    std::atomic<std::size_t> bytes_ = 0;
+};
+
 /// Depths that hold nothing.
 inline constexpr DepthRange kNoDepths{std::numeric_limits<float>::infinity(),
                                       -std::numeric_limits<float>::infinity()};
@@ -53,6 +91,8 @@ struct SlabPicture {
     float most_share =
         0;  ///< of a maximum: largest share of the field's range per unit of kTau in a slab
 
+    KeptSums* kept = nullptr;  ///< receives the sums of draw_tile(); null: none are kept
+
     /// Projects and bins Gaussians first ... last - 1.
     /// returns  range of their depths
     DepthRange project(const SplatModel& model, SlabBatch& batch, std::size_t first,
@@ -71,6 +111,8 @@ struct SlabPicture {
     void finish_cell(SlabCell& cell, Rgba* image) const;
     /// Draws tile t.
     void draw_tile(int t, SlabBuffers& buffers, Rgba* image) const;
+    /// Draws a whole picture of complete sums that it kept before.
+    void draw_kept(tbb::enumerable_thread_specific<SlabBuffers>& buffers, Rgba* image) const;
     /// Sets the image position of cell n of tile t.
     /// returns  whether it lies in the image
     bool place_cell(int t, int n, SlabCell& cell) const;

@@ -33,6 +33,29 @@ device::BlinnPhong along_view(const VolumeLook& look, const CameraFrame& frame) 
     return out;
 }
 
+/// View of a picture.
+struct View {
+    Vec3d eye, look_at, up;
+    double fov_degrees, orthographic_width;
+    int width, height;
+
+    View(const Camera& camera, int columns, int rows)
+        : eye(camera.eye),
+          look_at(camera.look_at),
+          up(camera.up),
+          fov_degrees(camera.fov_degrees),
+          orthographic_width(camera.orthographic_width),
+          width(columns),
+          height(rows) {}
+    friend bool operator==(const View&, const View&) = default;
+    /// Whether it is another one, with more pixels under the same camera.
+    bool is_finer(View other) const {
+        const bool more = width > other.width;
+        other.width = width, other.height = height;
+        return more && *this == other;
+    }
+};
+
 /// Model and buffers, kept from picture to picture.
 struct SlabModel {
     const Gaussians* gaussians;
@@ -47,6 +70,12 @@ struct SlabModel {
     const Collective* processes;  ///< that hold parts of the model; null: this one alone
     std::deque<SlabBatch> batches;
     tbb::enumerable_thread_specific<SlabBuffers> buffers;
+    int drawn_pictures = 0;
+    int edits = 0;  ///< counts changes of transfer function and light
+    /// The latest views, and the edit that each was last drawn after: of a picture and two finer ones with more rays a pixel.
+    std::deque<std::pair<View, int>> views;
+    KeptSums kept;
+    std::optional<View> kept_view;  ///< that `kept` holds whole
 
     SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options,
               int channels);
@@ -56,6 +85,8 @@ struct SlabModel {
     /// light  null: draws the maximum
     void draw(const LightOfMoments* light, const Camera& camera, int width, int height,
               VolumeImage& picture);
+    /// Sums to draw a picture from, or to keep them in, once edits follow one another under one view.
+    KeptSums* sums_for(const View& view);
     double length() const { return std::max(view_box(*gaussians).radius(), 1e-300); }
 };
 
@@ -86,6 +117,20 @@ SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const Sla
     });
 }
 
+KeptSums* SlabModel::sums_for(const View& view) {
+    const auto before = std::ranges::find(views, view, &std::pair<View, int>::first);
+    const bool edited = before != views.end() && before->second != edits;
+    if (before != views.end()) views.erase(before);
+    views.emplace_front(view, edits);
+    if (views.size() > 3) views.pop_back();
+    if (!edited || (kept_view && view.is_finer(*kept_view))) return nullptr;
+    if (kept_view != view) {
+        kept_view.reset();
+        return &kept;
+    }
+    return kept.complete() ? &kept : nullptr;
+}
+
 void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
                      VolumeImage& picture) {
     const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians->origin);
@@ -113,22 +158,29 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
     batches.resize(std::max<std::size_t>((own + most - 1) / most, 1));
     SlabPicture drawn{view, *kernels, polynomials, batches};
     drawn.unit = model.unit;
+    std::optional<SlabLight> finish;
+    if (light)
+        drawn.light =
+            &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
+    if (light && !processes) drawn.kept = sums_for({camera, width, height});
+    if (kept_view && drawn.kept) return drawn.draw_kept(buffers, picture.pixel.data());
+    ++drawn_pictures;
     DepthRange depths = kNoDepths;
     for (std::size_t n = 0; n < batches.size(); ++n)
         depths.include(drawn.project(model, batches[n], n * most, std::min((n + 1) * most, own)));
     if (processes) depths = joint_depths(depths, *processes);
     if (!depths.empty()) drawn.depths = slab_depths(depths, slabs);
-    std::optional<SlabLight> finish;
-    if (light)
-        drawn.light =
-            &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
     drawn.most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
                                           double{drawn.depths.thickness});
     if (processes) return draw_parts(drawn, buffers, *processes, picture.pixel.data());
+    const TileBins& bins = batches.front().splats.bins;
+    if (drawn.kept) kept.begin(bins.tiles());
     struct Nothing {};
-    draw_tiles<Nothing>(batches.front().splats.bins, [&](int t, Nothing) {
-        drawn.draw_tile(t, buffers.local(), picture.pixel.data());
-    });
+    draw_tiles<Nothing>(
+        bins, [&](int t, Nothing) { drawn.draw_tile(t, buffers.local(), picture.pixel.data()); });
+    if (!drawn.kept) return;
+    if (!kept.complete()) kept.begin(0);
+    kept_view.emplace(camera, width, height);
 }
 
 }  // namespace
@@ -156,11 +208,24 @@ void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
     s.light =
         LightOfMoments(transfer, s.slabs.range, s.slabs.field->is_measure, s.slabs.model.unit);
     s.transfer = transfer;
+    ++s.slabs.edits;
+}
+
+void SlabRenderer::set_light(const VolumeLook& look) {
+    vog::validate(look);
+    VolumeLook& own = state_->slabs.look;
+    if (look.light != own.light || !(look.clip == own.clip))
+        throw Error("splat: another clip, or light where there was none, takes another renderer");
+    if (own == look) return;
+    own = look;
+    ++state_->slabs.edits;
 }
 
 void SlabRenderer::render(const Camera& camera, int width, int height, VolumeImage& picture) {
     state_->slabs.draw(&state_->light, camera, width, height, picture);
 }
+int SlabRenderer::drawn() const { return state_->slabs.drawn_pictures; }
+
 VolumeImage SlabRenderer::render(const Camera& camera, int width, int height) {
     VolumeImage picture;
     render(camera, width, height, picture);

@@ -44,11 +44,17 @@ class SlabRenderer {
 
     /// Transfer function of the next pictures. The same one again costs nothing, another a few milliseconds.
     void set_transfer(const ValueTransfer& transfer);
+    /// Another direction or other weights of the light.
+    /// throws  vog::Error as validate(look) does, and for another clip, or a light where there was none
+    void set_light(const VolumeLook& look);
     /// picture  receives the result, the same bytes for any number of threads; its memory is reused
     /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side
-    /// cost     memory: 200 bytes a visible Gaussian, 4 kB a slab and thread
+    /// cost     memory: 200 bytes a visible Gaussian, 4 kB a slab and thread. The second picture of a view under another
+    ///          transfer function or light keeps its sums, 1 GB at most; further ones of the view draw no Gaussians.
     void render(const Camera& camera, int width, int height, VolumeImage& picture);
     [[nodiscard]] VolumeImage render(const Camera& camera, int width, int height);
+    /// Pictures whose Gaussians were drawn; the others came from kept sums.
+    int drawn() const;
 
   private:
     struct State;
