@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "emulation/emulation.h"
 #include "render/gpu/chords/gpu_pictures.h"
@@ -64,17 +66,21 @@ Clipping some_planes() {
     return clip;
 }
 
-double worst(const VolumeImage& a, const VolumeImage& b) {
+/// Difference in the channel that is furthest off, of all pixels but the `without` that differ most. A NaN is infinitely far.
+double worst(const VolumeImage& a, const VolumeImage& b, std::size_t without = 0) {
     if (a.pixel.size() != b.pixel.size()) return HUGE_VAL;
-    double most = 0;
-    for (std::size_t n = 0; n < a.pixel.size(); ++n)
-        for (const auto channel : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
-            // A NaN is not less than anything.
-            if (const double off =
-                    std::abs(double{a.pixel[n].*channel} - double{b.pixel[n].*channel});
-                !(off <= most))
-                most = off < HUGE_VAL ? off : HUGE_VAL;
-    return most;
+    std::vector<double> off;
+    for (std::size_t n = 0; n < a.pixel.size(); ++n) {
+        double most = 0;
+        for (const auto channel : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a}) {
+            const double of_channel =
+                std::abs(double{a.pixel[n].*channel} - double{b.pixel[n].*channel});
+            if (!(of_channel <= most)) most = of_channel < HUGE_VAL ? of_channel : HUGE_VAL;
+        }
+        off.push_back(most);
+    }
+    std::ranges::sort(off, std::greater());
+    return off[without];
 }
 
 class gpu_pictures : public testing::Test {
@@ -117,7 +123,9 @@ TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
                 gpu.prepare();
                 const VolumeImage found =
                     pictures.volume(field.name, transfer, camera, kWidth, kHeight, slabs, look);
-                EXPECT_LT(worst(found, expected), 1e-4);
+                // Where the gradient is square to the ray, either side faces the light: rounding decides.
+                EXPECT_LT(worst(found, expected, look.light ? 2 : 0), 1e-4);
+                EXPECT_LT(worst(found, expected), 0.01);
             }
         }
 }

@@ -51,8 +51,8 @@ class GlSlabs {
     GlSlabs();
     /// Adds a picture to `target` (RGBA32F, rows from the top): premultiplied colours, or sums of a field of
     /// column 1 (SumImage) where there is one.
-    /// throws  vog::Error for an invalid transfer function
     /// kept    sums of the picture before, in place of drawing the same again; receives those drawn; null: none are kept
+    /// throws  vog::Error for an invalid transfer function
     void add(const GlVolume& volume, const Camera& camera, Jitter jitter, const GlTarget& target,
              KeptSlabs* kept = nullptr);
 
@@ -78,9 +78,6 @@ class GlSlabs {
     GlVertexArray no_vertices_;
     GlTexture pieces_, table_;
     std::optional<GlTarget> layers_, before_, range_, strip_, densest_;
-    std::vector<GlTarget> kept_;                                        ///< [strips][passes]
-    std::optional<std::pair<std::uint64_t, ResolvedPicture>> kept_of_;  ///< field and picture
-    int drawn_ = 0;
     std::uint64_t lit_field_ = 0;  ///< field and transfer function of the light
     std::optional<ValueTransfer> lit_transfer_;
     device::MeanLight light_{};  ///< without its arrays

@@ -257,6 +257,15 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& field, const 
     }
 }
 
+/// Adds the first splats of a run. Not inlined: sums and pictures share it.
+template <bool kParallel, bool kClipped, int kChannels, class Polynomials, class D>
+HWY_NOINLINE void add_splats(D d, const CellRun& run, std::size_t count,
+                             const Polynomials& polynomials, SlabCell& cell) {
+    for (const CellSplat& at : run.splats.first(count))
+        add_splat<kParallel, kClipped, kChannels>(d, run.far[at.splat], run.fields[at.splat], at,
+                                                  polynomials, cell);
+}
+
 /// Calls body(add) with a loop over splats for the frame and the polynomials.
 template <bool kParallel, int kChannels, int kPart, int kPeak, class Tags, class Body>
 void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
@@ -269,11 +278,7 @@ void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
                                                      hn::Set(d, scale), hn::Set(d, 1 / scale)};
     constexpr bool kClipped = kPart < 0;  // slower anyway
     body([&](const CellRun& run, std::size_t count) {
-        for (std::size_t n = 0; n < count; ++n) {
-            const CellSplat& at = run.splats[n];
-            add_splat<kParallel, kClipped, kChannels>(d, run.far[at.splat], run.fields[at.splat],
-                                                      at, lanes, cell);
-        }
+        if (count > 0) add_splats<kParallel, kClipped, kChannels>(d, run, count, lanes, cell);
     });
 }
 template <bool kParallel, int kChannels, class Tags, class Body>
