@@ -174,6 +174,11 @@ class Help(Case):
             for option in re.findall(r"--[a-z][\w-]+", self.vog(command, "--help-all")):
                 self.assertIn(option, page, command)
         self.assertIn("expected", self.refusal("man", "nothing"))
+        self.assertIn("cannot write", self.refusal("man", "absent/"))
+        (self.folder / "man").mkdir()
+        self.vog("man", "man/")
+        self.assertEqual(sorted(path.name for path in (self.folder / "man").iterdir()), sorted(["vog.1", *(f"vog-{command}.1" for command in COMMANDS)]))
+        self.assertEqual((self.folder / "man/vog-render.1").read_text(), self.vog("man", "render"))
 
     @needs("groff")
     def test_manual_pages_are_clean_roff(self):
