@@ -15,8 +15,8 @@ while read -r volume budgets; do
     file=${volume%%:*} grid=${volume#*:}
     for budget in $budgets; do
         "$vog" convert "$data/$file" --grid "$grid" --budget "$budget" --no-hierarchy -o "$made/m.ply" >/dev/null 2>&1
-        "$vog" export "$made/m.ply" -o "$made/m.vogz" --max-loss 0.1 --reference "$data/$file:$grid" --json >"$made/m.json"
-        "$vog" export "$made/m.ply" -o "$made/h.vogz" --hierarchy --json >"$made/h.json"
+        "$vog" pack "$made/m.ply" -o "$made/m.vogz" --max-loss 0.1 --reference "$data/$file:$grid" --json >"$made/m.json"
+        "$vog" pack "$made/m.ply" -o "$made/h.vogz" --hierarchy --json >"$made/h.json"
         python3 - "$file" "$made" <<'PYTHON'
 import json, os, sys
 name, made = sys.argv[1:]

@@ -68,7 +68,7 @@ def main():
         def vog(*arguments):
             return subprocess.run([command, *arguments], cwd=folder, check=True, capture_output=True, text=True).stdout
 
-        vog("export", str(model), "-o", "page.html", "--set", "levels=1")
+        vog("page", str(model), "-o", "page.html", "--set", "levels=1")
         browser.viewport(*map(int, given.size.split("x")))
         browser.open(folder / "page.html", "#subframes=1&embed&tf=gray")
         browser.settle()

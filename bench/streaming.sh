@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sites of procedural clouds of several sizes (docs/streaming.md): time and bytes of exports beside conversions, and the bytes that a
+# Sites of procedural clouds of several sizes (docs/streaming.md): time and bytes of sites beside conversions, and the bytes that a
 # view reads, for pictures of several sizes, from afar and near.
 #
 # usage: bench/streaming.sh VOG [SIZE...]     SIZE: voxels along an edge, default 256 512 1024 (needs 3 GB of disk, 2.5 GB of memory)
@@ -15,8 +15,8 @@ for size in "${@:-256 512 1024}"; do
     for size in $size; do
         "$vog" sample cloud "$made/c.vdb" --size "$size" >/dev/null
         "$vog" convert "$made/c.vdb" -o "$made/c.ply" --block 2 --json >"$made/convert.json" 2>/dev/null
-        "$vog" export "$made/c.ply" -o "$made/site/" --json >"$made/export.json"
-        "$vog" export "$made/c.ply" -o "$made/c.vogz" --hierarchy --deflate --json >"$made/file.json"
+        "$vog" page "$made/c.ply" -o "$made/site/" --json >"$made/export.json"
+        "$vog" pack "$made/c.ply" -o "$made/c.vogz" --hierarchy --deflate --json >"$made/file.json"
         n=0
         for view in "--size 256" "--size 512" "--size 1024" "--size 512 --distance 0.3"; do
             "$vog" render "$made/site" -o "$made/p.png" $view --json >"$made/view$n.json"

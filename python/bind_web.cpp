@@ -251,7 +251,7 @@ clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at mo
 steps        True: the models are steps in time, with a play bar and one extinction
 precise      True: numbers four times as fine, for 4 bytes more a Gaussian
 url          address of https or http, or relative to the page, at which a copy of the data lies: models is then the path of a site or of
-             a compact model (vog export --hierarchy --deflate), and the page streams it from there
+             a compact model (vog pack --hierarchy --deflate), and the page streams it from there
 
 Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.
 

@@ -23,7 +23,7 @@ step render "$out/cloud.vdb" -o "$out/voxels.png" --size 1024x768 --tf blue-whit
     --depth-out "$out/voxels-T.exr"
 step compare "$out/voxels-T.exr" "$out/cloud-T.exr" --diff "$out/difference.png"
 step render "$out/cloud.ply" --size 1024x768 --repeat 5
-step export "$out/cloud.ply" -o "$out/cloud.html" --title "A cloud" --tf blue-white --blend
+step page "$out/cloud.ply" -o "$out/cloud.html" --title "A cloud" --tf blue-white --blend
 step sample particles "$out/particles.xyz"
 step convert "$out/particles.xyz" -o "$out/particles.ply" --budget 8000
 step render "$out/particles.ply" -o "$out/particles.png" --size 1024x768 --tf magma

@@ -141,7 +141,7 @@ def main():
     run(python, "-c", MORE % (LIBRARIES,), cwd=out)
     print(run(vog, "--version").strip())
     for line in ("sample fire fire.vdb --size 64", "fire.vdb", "convert fire.vdb --grid density --field temperature -o fire.ply --block 4",
-                 "render fire.ply -o fire.png --size 200", "export fire.ply -o fire.html", "doctor"):
+                 "render fire.ply -o fire.png --size 200", "page fire.ply -o fire.html", "doctor"):
         run(vog, *line.split(), cwd=out)
     print("wheel: {} libraries inside, each with its licence".format(len(licences(python))))
     if whole > MOST_IMPORT_S or processor > MOST_FIRST_PAGE_S:

@@ -85,6 +85,8 @@ int main(int argc, char** argv) {
     vog::cli::add_compare(app);
     vog::cli::add_evaluate(app);
     vog::cli::add_view(app);
+    vog::cli::add_page(app);
+    vog::cli::add_pack(app);
     vog::cli::add_export(app);
     vog::cli::add_serve(app);
     vog::cli::add_voxelize(app);

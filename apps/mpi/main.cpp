@@ -40,18 +40,18 @@ int main(int argc, char** argv) {
     vog::cli::prepare_process();
     const Ranks ranks(&argc, &argv);
     CLI::App app{
-        "vog-mpi runs vog's convert, export (to sites), render and evaluate on several processes\n"
+        "vog-mpi runs vog's convert, page (sites), render and evaluate on several processes\n"
         "(MPI ranks), each of which reads and holds one part of the data.\n"
         "\n"
         "  mpirun -n 8 vog-mpi convert cloud.vdb -o cloud.ply --block 2\n"
-        "  mpirun -n 8 vog-mpi export cloud.vdb -o site/ --block 2\n"
+        "  mpirun -n 8 vog-mpi page cloud.vdb -o site/ --block 2\n"
         "  mpirun -n 8 vog-mpi render cloud.vdb -o cloud.png"};
     app.name("vog-mpi");
     vog::cli::set_help(app);
     app.set_version_flag("--version", vog::cli::version_text("vog-mpi"));
     app.require_subcommand(1);
     add_convert(app, ranks);
-    add_export(app, ranks);
+    add_page(app, ranks);
     add_render(app, ranks);
     add_evaluate(app, ranks);
 

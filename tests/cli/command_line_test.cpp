@@ -197,10 +197,11 @@ TEST_F(cli, every_failure_is_one_line_that_names_the_file) {
     must_fail(1, "info text.ply", "text.ply: not a PLY file");
     must_fail(1, "info odd.doc", "odd.doc: unknown extension");
     must_fail(1, "convert absent.vdb -o a.ply", "absent.vdb: no such file");
-    must_fail(1, "convert c.vdb -o a.png", "a.png: cannot write '.png'");
+    must_fail(1, "convert c.vdb -o a.png",
+              "this command writes .ply, .vogz; use vog render c.vdb -o a.png");
     must_fail(1, "convert c.vdb -o no/a.ply", "no folder 'no'");
     must_fail(1, "convert c.vdb -o a.ply --grid heat", "no grid named 'heat' (it has: density)");
-    must_fail(1, "convert c.ply -o a.ply", "is a model already");
+    must_fail(2, "convert c.ply -o a.ply --method paper", "--method has no effect with models");
     must_fail(1, "render c.ply -o a.jpg", "a.jpg: cannot write");
     must_fail(1, "render c.ply -o a.png --tf mauve", "mauve");
     must_fail(1, "render c.ply -o a.png --camera absent.json", "absent.json: no such file");
@@ -219,7 +220,7 @@ TEST_F(cli, an_input_is_never_overwritten) {
 
 TEST_F(cli, help_explains_every_subcommand) {
     for (const char* command : {"", "sample ", "info ", "convert ", "render ", "compare ",
-                                "evaluate ", "view ", "export "})
+                                "evaluate ", "view ", "page ", "pack ", "export "})
         EXPECT_GT(must(std::string(command) + "--help").out.size(), 200u) << command;
     EXPECT_EQ(must("--version").out.substr(0, 4), "vog ");
 }

@@ -17,7 +17,7 @@ import unittest
 from pathlib import Path
 
 VOG = os.environ.get("VOG_COMMAND", "vog")
-COMMANDS = ["sample", "info", "convert", "render", "compare", "evaluate", "view", "export", "serve", "voxelize", "doctor", "completion", "man"]
+COMMANDS = ["sample", "info", "convert", "render", "compare", "evaluate", "view", "page", "pack", "export", "serve", "voxelize", "doctor", "completion", "man"]
 
 
 def run(*words, folder=None, program=VOG):
@@ -155,7 +155,7 @@ class Files(Case):
 
 class Help(Case):
     def test_common_options_first_and_all_on_request(self):
-        for command in ["convert", "render", "export", "evaluate", "view"]:
+        for command in ["convert", "render", "page", "pack", "export", "evaluate", "view"]:
             some, every = self.vog(command, "--help"), self.vog(command, "--help-all")
             count = lambda text: len(set(re.findall(r"^  (?:-\w,)?(--set [\w-]+|--[\w-]+)", text, re.M)))
             self.assertLessEqual(count(some), 13, command)
@@ -303,8 +303,9 @@ class Mistakes(Case):
             (["render", "."], "a folder, expected files"),
             (["render", "cloud.vdb", "-o", "a.jpg"], ".jpg"),
             (["convert", "cloud.vdb"], "vog convert cloud.vdb -o cloud.ply"),
-            (["export", "cloud.ply"], "vog export cloud.ply -o cloud.html"),
-            (["convert", "cloud.ply", "-o", "a.ply"], "a model already"),
+            (["page", "cloud.ply"], "vog page cloud.ply -o cloud.html"),
+            (["convert", "cloud.ply", "-o", "a.ply", "--block", "4"], "--block has no effect with models"),
+            (["export", "cloud.ply", "-o", "a.html"], "use vog page cloud.ply -o a.html"),
             (["voxelize", "cloud.vdb", "-o", "a.vdb"], "--like FILE"),
             (["voxelize", "cloud.vdb", "-o", "a.vdb", "--voxel-size", "1"], "cloud.vdb"),
             (["evaluate", "cloud.vdb"], "-o is missing"),

@@ -46,7 +46,7 @@ TEST_F(inputs, densities_near_the_largest_float_are_converted_or_refused_by_name
     EXPECT_NE(must("convert max.vdb -o max.ply").out.find("mass ratio 1.00000"), std::string::npos);
     for (const std::string file : {"max.vdb", "max.ply"})
         must_fail(1, "render " + file + " -o a.png --size 64", file + ": optical depth inf");
-    must_fail(1, "export max.ply -o a.html", "max.vdb density: auto extinction: optical depth inf");
+    must_fail(1, "page max.ply -o a.html", "max.vdb density: auto extinction: optical depth inf");
     must_fail(1, "evaluate max.vdb -o report --json",
               "max.vdb: auto extinction: optical depth inf");
 }
@@ -83,7 +83,7 @@ TEST_F(inputs, time_steps_are_never_taken_for_levels) {
     const std::string problem = "voxels of one size at one place";
     for (const std::string command :
          {"render 'step_*.vdb' -o a.png", "convert 'step_*.vdb' -o a.ply",
-          "export 'step_*.vdb' -o a.html", "evaluate step_1.vdb step_2.vdb -o report"}) {
+          "page 'step_*.vdb' -o a.html", "evaluate step_1.vdb step_2.vdb -o report"}) {
         must_fail(1, command, problem);
         for (const char* choice : {"-o FOLDER/", "--combine sum", "--combine mesh"})
             must_fail(1, command, choice);
@@ -186,10 +186,10 @@ TEST_F(inputs, options_without_effect_are_refused) {
     must_fail(2, "compare a.png a.png --tf jet", "--tf has no effect with pictures");
     must_fail(2, "compare a.png a.png --extinction 2", "--extinction has no effect with pictures");
     must_fail(2, "render c.ply -o b.png --grid density", "--grid has no effect with models");
-    must("export c.ply -o c.vogz");
+    must("pack c.ply -o c.vogz");
     must_fail(2, "render c.vogz -o b.png --skip-nonfinite",
               "--skip-nonfinite has no effect with compact models");
-    must_fail(2, "export c.ply -o b.html --combine sum", "--combine has no effect with models");
+    must_fail(2, "page c.ply -o b.html --combine sum", "--combine has no effect with models");
     must_fail(2, "render p.xyz -o b.png --radius 1 --grid a",
               "--grid has no effect with particles");
     must_fail(2, "convert c.vdb -o b.ply --again",

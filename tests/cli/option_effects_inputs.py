@@ -43,8 +43,8 @@ def make_inputs(made):
     head, rows = Path(made, "nan.ply").read_bytes().split(b"end_header\n", 1)
     for name in ("nan", "nan_too"):
         Path(made, name + ".ply").write_bytes(head + b"end_header\n" + struct.pack("<f", float("nan")) + rows[4:])
-    vog("export", "{made}/model.ply", "-o", "{made}/streams.vogz", "--hierarchy", "--deflate")
-    vog("export", "{made}/tiny.ply", "-o", "{made}/page.html")
+    vog("pack", "{made}/model.ply", "-o", "{made}/streams.vogz", "--hierarchy", "--deflate")
+    vog("page", "{made}/tiny.ply", "-o", "{made}/page.html")
     Path(made, "sphere.vdb").write_bytes(level_set())
     for name, roll in (("a", "0"), ("b", "5")):
         vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--set", "roll=" + roll, "--depth-out",

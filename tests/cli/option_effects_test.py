@@ -36,7 +36,7 @@ PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--m
 VALUES = {
     "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--set kappa": "0.2",
     "--set aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
-    "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--set similarity": "0.9",
+    "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "export --as": "3dgs|volprim", "--pixel-error": "40", "--set similarity": "0.9",
     "--set resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--set strategy": "single",
@@ -44,7 +44,7 @@ VALUES = {
     "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",
     "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
     "--title": "T", "--set hits-per-slab": "1", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",
-    "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
+    "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
     "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--soft-steps": "7", "--lod": "4",
 }
 
@@ -61,9 +61,9 @@ INPUTS = {
 UNTRIED = set() if shutil.which("ffmpeg") else {"--set fps"}
 
 # Says what is the default for one input.
-STATED = {("export", "--site"), ("mpi export", "--site"), ("export", "--set levels"), ("mpi convert", "--no-hierarchy")}
+STATED = {("page", "--site"), ("mpi page", "--site"), ("page", "--set levels"), ("mpi convert", "--no-hierarchy")}
 # Refused by what the data then lack, which the message names.
-OF_DATA = {"--no-fields", "--grid", "--field", "--carry", "--mask", "--combine", "mesh", "--method", "--renderer"}
+OF_DATA = {"--no-fields", "--grid", "--field", "--mask", "--combine", "mesh", "--method", "--renderer"}
 # Scans have no active voxel without a number.
 NOTHING_LEFT = {("--skip-nonfinite", "volume"), ("--scale", "volume")}  # the default there is logarithmic
 
@@ -76,22 +76,24 @@ def cases():
     """[command, words]: every kind of input and output, and for pictures every quantity and way to draw it.
     [command, words, quicker]: a case that takes a second or more. An option that changes the result of the quicker case is
     tried there alone."""
-    for output in ("p.html", "site/", "m.ply", "m.vogz", "m.spz", "m.glb", "m.usda"):
-        yield "export", [MODEL, "-o", "{out}/" + output]
+    for command, output in (("page", "p.html"), ("page", "site/"), ("pack", "m.vogz"), ("export", "m.spz"), ("export", "m.glb"), ("export", "m.usda")):
+        yield command, [MODEL, "-o", "{out}/" + output]
     for layout in ("3dgs", "volprim"):
         yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]
     for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head"):
-        yield "export", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
-    yield "export", ["{made}/many.ply", "-o", "{out}/p.html"]
-    yield "export", [MODEL, "{made}/other.ply", "-o", "{out}/site/", "--site"]
-    yield "export", [MODEL, "{made}/other.ply", "-o", "{out}/pages/"]
-    yield "export", [MODEL, "-o", "{out}/p.html", "--orthographic"]
-    yield "export", [MODEL, "-o", "{out}/m.vogz", "--max-loss", "3"]
-    yield "export", ["{made}/streams.vogz", "-o", "{out}/p.html", "--from", "https://data.example.org/m.vogz"]
+        yield "page", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
+    yield "page", ["{made}/many.ply", "-o", "{out}/p.html"]
+    yield "page", [MODEL, "{made}/other.ply", "-o", "{out}/site/", "--site"]
+    yield "page", [MODEL, "{made}/other.ply", "-o", "{out}/pages/"]
+    yield "page", [MODEL, "-o", "{out}/p.html", "--orthographic"]
+    yield "pack", [MODEL, "-o", "{out}/m.vogz", "--max-loss", "3"]
+    yield "page", ["{made}/streams.vogz", "-o", "{out}/p.html", "--from", "https://data.example.org/m.vogz"]
     # A conversion without its size measures errors in twelve views.
     yield "export", [VOLUME, "-o", "{out}/m.spz"], [VOLUME, "-o", "{out}/m.spz", "--budget", "60"]
-    for data, output in ((VOLUME, "p.html --budget 60"), (VOLUME, "site/ --budget 60"), (VOLUME, "m.spz --budget 60"), (TEXT, "p.html"), (TEXT, "m.vogz"), (POINTS, "m.spz")):
-        yield "export", [data, "-o", *("{out}/" + output).split()]
+    for command, data, output in (("page", VOLUME, "p.html --budget 60"), ("page", VOLUME, "site/ --budget 60"), ("export", VOLUME, "m.spz --budget 60"),
+                                  ("page", TEXT, "p.html"), ("pack", TEXT, "m.vogz"), ("export", POINTS, "m.spz")):
+        yield command, [data, "-o", *("{out}/" + output).split()]
+    yield "convert", [MODEL, "{made}/other.ply", "-o", "{out}/m.ply"]
     for output in ("m.ply", "m.vogz", "models/"):
         yield "convert", [VOLUME, "-o", "{out}/" + output, "--block", "4"]
         yield "convert", [TEXT, "-o", "{out}/" + output]
@@ -147,8 +149,8 @@ def cases():
     if VOG_MPI.exists():
         yield "mpi convert", [VOLUME, "-o", "{out}/m.ply", "--block", "4"]
         yield "mpi convert", [TEXT, "-o", "{out}/m.ply", "--budget", "100"]
-        yield "mpi export", [VOLUME, "-o", "{out}/site/", "--block", "4"]
-        yield "mpi export", [MODEL, "-o", "{out}/site/"]
+        yield "mpi page", [VOLUME, "-o", "{out}/site/", "--block", "4"]
+        yield "mpi page", [MODEL, "-o", "{out}/site/"]
         yield "mpi render", [MODEL, *PICTURE]
         yield "mpi render", [VOLUME, *PICTURE, "--show", "volume"]
         yield "mpi evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"]

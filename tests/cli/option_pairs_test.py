@@ -51,8 +51,9 @@ kOptions, kRefused = 8, 16  # options of one run
 COMMANDS = {
     "convert": [["{made}/particles.csv", "-o", "{out}/m.ply"], ["{made}/cloud.vdb", "-o", "{out}/m.ply"]],
     "render": [["{made}/model.ply", "-o", "{out}/p.png"], ["{made}/cloud.vdb", "-o", "{out}/p.png"]],
-    "export": [["{made}/model.ply", "-o", "{out}/p.html"], ["{made}/model.ply", "-o", "{out}/m.vogz"],
-               ["{made}/model.ply", "-o", "{out}/m.spz"], ["{made}/model.ply", "-o", "{out}/site/"]],
+    "page": [["{made}/model.ply", "-o", "{out}/p.html"], ["{made}/model.ply", "-o", "{out}/site/"]],
+    "pack": [["{made}/model.ply", "-o", "{out}/m.vogz"]],
+    "export": [["{made}/model.ply", "-o", "{out}/m.spz"], ["{made}/model.ply", "-o", "{out}/m.ply"]],
     "voxelize": [["{made}/model.ply", "-o", "{out}/v.vdb", "--like", "{made}/cloud.vdb"]],
     "compare": [["{made}/a.exr", "{made}/b.exr"]],
     "sample": [["cloud", "{out}/s.vdb"]],

@@ -76,7 +76,7 @@ TEST_F(request_command, pictures_of_turns_and_of_fields_in_other_files_are_drawn
         must("render --request first.png -o again.png");
         EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "first.png")) << show;
     }
-    must("export cloud.ply -o site/");
+    must("page cloud.ply -o site/");
     must("render site/ --pixel-error 6 --size 20 -o first.png");
     must("render --request first.png -o again.png");
     EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "first.png"));

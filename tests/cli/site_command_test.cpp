@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
     must("sample cloud c.vdb --size 128");
     must("convert c.vdb -o c.ply --block 2 --soft-steps 0");
-    const Json made = Json::parse(must("export c.ply -o site/ --json").out);
+    const Json made = Json::parse(must("page c.ply -o site/ --json").out);
     const Json whole = Json::parse(must("info c.ply --json").out)["files"][0]["model"];
     EXPECT_EQ(made["gaussians"], whole["gaussians"]);
     EXPECT_GT(made["chunks"], 1);
@@ -44,20 +44,20 @@ TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
         Json::parse(must("render site -o all.png --size 32 --pixel-error 0 --json").out);
     EXPECT_EQ(all["gaussians"], whole["gaussians"]);
     // Whole models elsewhere.
-    must("export site -o back.vogz");
+    must("pack site -o back.vogz");
     must("render site -o turn/ --turntable 2 --size 16");
 }
 
 TEST_F(site_command, an_export_again_keeps_what_is_there) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --block 2");
-    const Json first = Json::parse(must("export c.ply -o site/ --json").out);
+    const Json first = Json::parse(must("page c.ply -o site/ --json").out);
     const std::string manifest = read_text(dir_ / "site/manifest.json");
-    const Json again = Json::parse(must("export c.ply -o site/ --json --title Other").out);
+    const Json again = Json::parse(must("page c.ply -o site/ --json --title Other").out);
     EXPECT_EQ(again["kept"], first["chunks"]);
     EXPECT_EQ(read_text(dir_ / "site/manifest.json"), manifest);
     const Json coarse =
-        Json::parse(must("export c.ply -o site --json --set rounding=0.1 --no-fields").out);
+        Json::parse(must("page c.ply -o site --json --set rounding=0.1 --no-fields").out);
     EXPECT_EQ(coarse["kept"], 0);
     EXPECT_GT(coarse["removed"], 0);
     EXPECT_LT(coarse["bytes"], first["bytes"]);
@@ -68,11 +68,11 @@ TEST_F(site_command, volumes_particles_and_steps_become_sites) {
     must("sample cloud c.vdb --size 64");
     must("sample explosion e.vdb --size 64");
     must("sample particles p.xyz --size 16");
-    must("export c.vdb -o volume/ --memory 500M");
-    must("export p.xyz -o particles/");
+    must("page c.vdb -o volume/ --memory 500M");
+    must("page p.xyz -o particles/");
     must("convert c.vdb -o step_1.ply --budget 300");
     must("convert e.vdb -o step_2.ply --budget 300");
-    must("export 'step_*.ply' -o steps/ --site");
+    must("page 'step_*.ply' -o steps/ --site");
     const Json steps = Json::parse(must("info steps --json").out)["files"][0]["site"];
     EXPECT_EQ(steps["steps"], true);
     EXPECT_EQ(steps["models"].size(), 2u);
@@ -83,88 +83,86 @@ TEST_F(site_command, volumes_particles_and_steps_become_sites) {
     EXPECT_GT(Json::parse(must("compare second.png whole.png --json").out)["psnr_rgb_db"], 38);
     EXPECT_NE(must("render steps -o first.png --size 16").error.find("the first of 2 models"),
               std::string::npos);
-    must("export steps -o copy/");
+    must("page steps -o copy/");
     const Json copy = Json::parse(must("info copy --json").out)["files"][0]["site"];
     EXPECT_EQ(copy["steps"], true);
     ASSERT_EQ(copy["models"].size(), 2u);
     EXPECT_EQ(copy["models"][1]["name"], "step_2");
-    must_fail(1, "export steps -o steps/", "steps/: is an input and would be overwritten");
-    must_fail(1, "export steps/step_2 -o steps", "is an input and would be overwritten");
-    must("export steps -o page.html");
+    must_fail(1, "page steps -o steps/", "steps/: is an input and would be overwritten");
+    must_fail(1, "page steps/step_2 -o steps", "is an input and would be overwritten");
+    must("page steps -o page.html");
     EXPECT_NE(read_text(dir_ / "page.html").find("step_2"), std::string::npos);
-    must("export steps/step_2 -o second.ply");
+    must("convert steps/step_2 -o second.ply");
     EXPECT_EQ(Json::parse(must("info second.ply --json").out)["files"][0]["model"]["gaussians"],
               steps["models"][1]["gaussians"]);
     must_fail(1, "render steps/none -o none.png",
               "steps/none: no model of this name, expected step_1, step_2");
-    must("export step_1.ply step_2.ply -o two/ --site --name A --name B");
+    must("page step_1.ply step_2.ply -o two/ --site --name A --name B");
     EXPECT_EQ(Json::parse(must("info two --json").out)["files"][0]["site"]["models"][1]["name"],
               "B");
-    must("export step_1.ply step_2.ply -o pages/");
+    must("page step_1.ply step_2.ply -o pages/");
     EXPECT_TRUE(std::filesystem::exists(dir_ / "pages/step_1.html"));
 }
 
 TEST_F(site_command, pages_of_models_elsewhere_hold_no_model) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --block 2");
-    must("export c.ply -o site/");
-    must("export c.ply -o c.vogz --hierarchy --deflate");
+    must("page c.ply -o site/");
+    must("pack c.ply -o c.vogz --hierarchy --deflate");
     const std::string own = read_text(dir_ / "site/index.html");
     for (const std::string input : {"site", "c.vogz"}) {
         const std::string url = "HTTPS://data.example.org:8443/a/" + input;
         const Json made =
-            Json::parse(must("export " + input + " -o page.html --json --from " + url).out);
+            Json::parse(must("page " + input + " -o page.html --json --from " + url).out);
         const std::string page = read_text(dir_ / "page.html");
         EXPECT_EQ(made["bytes"], page.size());
         EXPECT_EQ(made["from"], input == "site" ? url + "/" : url);
         EXPECT_NE(page.find("connect-src https://data.example.org:8443;"), std::string::npos);
         EXPECT_NE(page.find(made["from"].dump()), std::string::npos);
         EXPECT_LT(page.size(), own.size() + 20000);
-        must("export " + input + " -o page.html --from ../a%20folder/" + input +
+        must("page " + input + " -o page.html --from ../a%20folder/" + input +
              " --title Elsewhere --show mean --field density --name Cloud");
         EXPECT_NE(read_text(dir_ / "page.html").find("connect-src 'self';"), std::string::npos);
     }
     std::filesystem::remove(dir_ / "page.html");
-    must_fail(2, "export c.ply -o page.html --from https://host/c.ply", "expected one site");
-    must_fail(2, "export site c.vogz -o page.html --from https://host/", "expected one site");
-    must_fail(2, "export c.vogz -o c.ply --from https://host/c.vogz",
-              "--from has no effect with -o FILE.ply");
-    must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --budget 9", "--budget");
-    must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --set rounding=0.1",
+    must_fail(2, "page c.ply -o page.html --from https://host/c.ply", "expected one site");
+    must_fail(2, "page site c.vogz -o page.html --from https://host/", "expected one site");
+    must_fail(2, "pack c.vogz -o d.vogz --from https://host/c.vogz", "only in vog page");
+    must_fail(2, "page c.vogz -o page.html --from https://host/c.vogz --budget 9", "--budget");
+    must_fail(2, "page c.vogz -o page.html --from https://host/c.vogz --set rounding=0.1",
               "--set rounding");
-    must_fail(1, "export c.vogz -o page.html --from ftp://host/c.vogz", "https or http");
-    must_fail(1, "export c.vogz -o page.html --from https://a:b@host/c.vogz", "without a user");
-    must_fail(1, "export site -o page.html --from https://host/?a", "with a query");
-    must("export c.ply -o zstd.vogz --hierarchy");
-    must_fail(1, "export zstd.vogz -o page.html --from zstd.vogz", "--hierarchy --deflate");
+    must_fail(1, "page c.vogz -o page.html --from ftp://host/c.vogz", "https or http");
+    must_fail(1, "page c.vogz -o page.html --from https://a:b@host/c.vogz", "without a user");
+    must_fail(1, "page site -o page.html --from https://host/?a", "with a query");
+    must("pack c.ply -o zstd.vogz --hierarchy");
+    must_fail(1, "page zstd.vogz -o page.html --from zstd.vogz", "--hierarchy --deflate");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "page.html"));
 }
 
 TEST_F(site_command, an_export_that_has_not_ended_is_said) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --block 2");
-    must("export c.ply -o site/");
+    must("page c.ply -o site/");
     std::filesystem::remove(dir_ / "site/manifest.json");
-    must_fail(1, "info site", "site: an export of a site that has not ended");
+    must_fail(1, "info site", "site: an incomplete site; run vog page again");
     std::filesystem::remove(dir_ / "site/index.html");
-    must("export c.ply -o site/");
+    must("page c.ply -o site/");
     must("info site");
 }
 
 TEST_F(site_command, requests_without_sense_are_refused) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --budget 100");
-    must_fail(2, "export c.ply -o c.html --site", "--site has no effect with -o FILE.html");
-    must_fail(2, "export c.ply -o c.html --memory 1G", "--memory");
-    must_fail(2, "export c.ply -o site/ --set levels=3", "--set levels");
-    must_fail(2, "export c.ply -o site/ --hierarchy",
-              "--hierarchy has no effect with -o FOLDER/ (a site)");
+    must_fail(2, "page c.ply -o c.html --site", "--site has no effect with -o FILE.html");
+    must_fail(2, "page c.ply -o c.html --memory 1G", "--memory");
+    must_fail(2, "page c.ply -o site/ --set levels=3", "--set levels");
+    must_fail(2, "page c.ply -o site/ --hierarchy", "no option --hierarchy here, only in vog pack");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "site"));
     std::filesystem::create_directories(dir_ / "mine");
     std::ofstream(dir_ / "mine/index.html") << "mine";
-    must_fail(1, "export c.ply -o mine/", "mine");
+    must_fail(1, "page c.ply -o mine/", "mine");
     EXPECT_EQ(read_text(dir_ / "mine/index.html"), "mine");
-    must("export c.ply -o site/");
+    must("page c.ply -o site/");
     std::filesystem::remove_all(dir_ / "site/chunks");
     must_fail(1, "render site -o a.png", "no such file");
     std::ofstream(dir_ / "site/manifest.json") << "{";

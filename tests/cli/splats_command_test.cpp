@@ -106,7 +106,18 @@ TEST_F(splats_command, units_and_up_of_each_format) {
             option.substr(0, option.find(' ')) + " has no effect with -o FILE.ply --as volprim");
     must_fail(2, "export m.ply -o v.ply --as volprim --units box",
               "--units has no effect with -o FILE.ply --as volprim");
-    must_fail(2, "export m.ply -o m.vogz --up z", "--up has no effect with -o FILE.vogz");
+    must_fail(2, "pack m.ply -o m.vogz --up z", "no option --up here");
+    must_fail(2, "export m.ply -o s.ply", "to write a model, use vog convert m.ply -o s.ply");
+    for (const std::string output : {"page s.html", "pack s.vogz", "page site/", "render s.png"}) {
+        const std::size_t space = output.find(' ');
+        must_fail(1, "export m.ply -o " + output.substr(space + 1),
+                  "use vog " + output.substr(0, space) + " m.ply -o " + output.substr(space + 1));
+    }
+    must_fail(1, "page m.ply -o s.glb", "use vog export m.ply -o s.glb");
+    must_fail(1, "page m.ply -o s.vogz", "use vog pack m.ply -o s.vogz");
+    must_fail(1, "pack m.ply -o s.html", "use vog page m.ply -o s.html");
+    must_fail(1, "pack m.ply -o s.ply", "use vog convert m.ply -o s.ply");
+    must_fail(1, "convert m.ply -o s.spz", "use vog export m.ply -o s.spz");
     must_fail(1, "export m.ply -o m.usdc", "vog export -o m.usda, then usdcat m.usda -o m.usdc");
 }
 

@@ -63,7 +63,7 @@ class Faults : public CommandLine {
                  {"p.png", "t.exr", "v.npy"}},
                 {"sample cloud out/s.vdb --size 64", {"s.vdb"}},
                 {"sample particles out/x.xyz --size 8", {"x.xyz"}},
-                {"export m.ply -o out/e.html", {"e.html"}},
+                {"page m.ply -o out/e.html", {"e.html"}},
                 {"compare a.exr b.exr --diff out/d.png", {"d.png"}}};
     }
     std::string output(const std::string& name) const { return read_text(dir_ / ("out/" + name)); }

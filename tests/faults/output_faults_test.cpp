@@ -116,7 +116,7 @@ TEST_F(output_faults, standard_output_that_takes_nothing_is_an_error) {
          {"info c.vdb", "info c.vdb --json", "info m.ply", "convert c.vdb -o out/m.ply --block 8",
           "convert c.vdb -o out/m.ply --block 8 --json",
           "render m.ply -o out/p.png --size 32 --json", "compare a.exr b.exr",
-          "compare a.exr b.exr --json", "export m.ply -o out/e.html --json",
+          "compare a.exr b.exr --json", "page m.ply -o out/e.html --json",
           "sample cloud out/c.vdb --size 64", "--help", "render --help", "--version"})
         for (const auto& [where, why] :
              {std::pair{">/dev/full", "No space left on device"}, {">&-", "Bad file descriptor"}}) {
@@ -185,8 +185,8 @@ TEST_F(output_faults, names_that_are_no_utf8_give_valid_json) {
     for (const std::string& command :
          {"convert c.vdb --block 8 --json -o $'" + name + ".ply'",
           "render m.ply --size 32 --json -o $'" + name + ".png'", "info --json $'" + name + ".ply'",
-          "export m.ply --json -o $'" + name + ".html'",
-          "export $'" + name + ".ply' --json -o out/page.html",
+          "page m.ply --json -o $'" + name + ".html'",
+          "page $'" + name + ".ply' --json -o out/page.html",
           "compare --json a.exr b.exr --diff $'" + name + ".png'",
           "convert c.vdb --block 8 --json -o $'" + name + "/'",
           "render $'" + name + ".ply' --size 32 --json -o pictures/"}) {

@@ -21,11 +21,11 @@ done
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/aligned.ply" --block 16 --axis-aligned >/dev/null
 # The first byte says how the rest is read: 0, as a file.
 for options in "" --hierarchy --deflate; do
-    "$vog" export "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null
+    "$vog" pack "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null
     { printf '\x00'; cat "$made/model.vogz"; } >"$folder/vogz/model$options"
 done
 # A site's manifest, its root as a table, and a chunk behind its length and number of Gaussians, less 1 and doubled.
-"$vog" export "$folder/ply/aligned.ply" -o "$made/site/" >/dev/null
+"$vog" page "$folder/ply/aligned.ply" -o "$made/site/" >/dev/null
 { printf '\x00'; cat "$made/site/manifest.json"; } >"$folder/site/manifest"
 { printf '\x01'; sed 's/.*"root":\(.*\)}]}$/{"parts":[\1]}/' "$made/site/manifest.json"; } >"$folder/site/table"
 chunk=$(ls "$made"/site/chunks/*.vogz)

@@ -38,7 +38,7 @@ TEST_P(mpi_render, models_are_the_same) {
     must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
     must("convert e.vdb -o f.ply --block 8 --axis-aligned --no-hierarchy");
     EXPECT_LE(differs("e.ply f.ply --eye 10,20,90 --look-at 24,24,24"), kSameT);
-    must("export e.ply f.ply -o site/ --site");
+    must("page e.ply f.ply -o site/ --site");
     EXPECT_LE(differs("site/f --pixel-error 0 --eye 10,20,90 --look-at 24,24,24"), kSameT);
     // Rays are traced in single precision about the centre of each rank's part, and round the shares of
     // Gaussians near the size of a pixel there.

@@ -352,14 +352,14 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
     for name, some in (("a", model), ("b", model[::2])):
         some.save(tmp_path / f"{name}.ply")
     flags = ["--title", "Two", "--set", "levels=2", "--background", "system", "--tf", "jet", "--extinction", 3]
-    command("export", "a.ply", "b.ply", "-o", "command.html", *flags)
+    command("page", "a.ply", "b.ply", "-o", "command.html", *flags)
     report = vog.export_html(
         tmp_path / "python.html", {"a": model, "b": model[::2]},
         title="Two", levels=2, background="system", tf="jet", extinction=3,
     )
     assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
     assert report["bytes"] == (tmp_path / "python.html").stat().st_size and report["gaussians"] == len(model) + len(model[::2])
-    command("export", "a.ply", "-o", "command.html", "--background", "0.1,0.2,0.3", "--blend")
+    command("page", "a.ply", "-o", "command.html", "--background", "0.1,0.2,0.3", "--blend")
     vog.export_html(tmp_path / "python.html", {"a": model}, background=(0.1, 0.2, 0.3), blend=True)
     assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
     for flags, options in [
@@ -370,7 +370,7 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
         (["--show", "maximum", "--range", "0.1,0.4"], {"show": "maximum", "range": (0.1, 0.4)}),
         (["--show", "mean", "--field", "density", "--tf", "jet"], {"show": "mean", "field": "density", "tf": "jet"}),
     ]:
-        command("export", "a.ply", "-o", "command.html", *flags)
+        command("page", "a.ply", "-o", "command.html", *flags)
         vog.export_html(tmp_path / "python.html", {"a": model}, **options)
         assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes(), flags
     vog.export_html(tmp_path / "one.html", model)
@@ -382,10 +382,10 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
 
 def test_pages_of_models_elsewhere_are_the_commands(tmp_path, command, model):
     model.save(tmp_path / "a.ply")
-    command("export", "a.ply", "-o", "a.vogz", "--hierarchy", "--deflate")
-    command("export", "a.ply", "-o", "site/")
+    command("pack", "a.ply", "-o", "a.vogz", "--hierarchy", "--deflate")
+    command("page", "a.ply", "-o", "site/")
     for name, url in (("a.vogz", "https://data.example.org/a.vogz"), ("site", "../site"), ("a.vogz", "a.vogz")):
-        command("export", name, "-o", "command.html", "--from", url, "--title", "a", "--name", "a")
+        command("page", name, "-o", "command.html", "--from", url, "--title", "a", "--name", "a")
         report = vog.export_html(tmp_path / "python.html", tmp_path / name, title="a", url=url)
         assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
         assert report["bytes"] == (tmp_path / "python.html").stat().st_size

@@ -49,7 +49,7 @@ class view_command : public CommandLine {
 TEST_F(view_command, a_sites_pictures_are_those_of_its_view_and_damage_leaves_the_parent) {
     must("sample cloud cloud.vdb --size 128");
     must("convert cloud.vdb -o cloud.ply --block 2 --soft-steps 0");
-    must("export cloud.ply -o site/");
+    must("page cloud.ply -o site/");
     const std::string script =
         "size 240 180\nsubframes 1\npanels off\noverlay off\ncolorbar off\ntf viridis\nexposure "
         "300\n"
@@ -79,7 +79,7 @@ TEST_F(view_command, steps_of_a_site_play_as_views_need_them) {
         must(std::string("sample explosion e.vdb --size 64 --seed ") + seed);
         must(std::string("convert e.vdb --block 1 --soft-steps 0 -o s") + seed + ".ply");
     }
-    must("export 's*.ply' -o site/ --site");
+    must("page 's*.ply' -o site/ --site");
     play("site",
          "size 120 90\npanels off\noverlay off\ncolorbar off\ntf gray\nsave-camera "
          "camera.json\nexposure 2\n"

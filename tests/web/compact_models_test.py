@@ -67,13 +67,13 @@ class CompactModels(NodeTest):
 
     def numbers(self, model, *options):
         """Numbers of a model that is written with some options, as the page reads them."""
-        vog("export", model, "-o", "m.vogz", "--deflate", *options)
+        vog("pack", model, "-o", "m.vogz", "--deflate", *options)
         data = base64.b64encode((self.folder / "m.vogz").read_bytes()).decode()
         return self.value(f"numbers('{data}')")
 
     def expect_the_librarys(self, model, *options):
         rows = self.numbers(model, *options)
-        vog("export", "m.vogz", "-o", "back.ply")
+        vog("convert", "m.vogz", "-o", "back.ply")
         names, wanted = rows_of(self.folder / "back.ply")
         self.assertEqual(len(rows), len(wanted))
         self.assertGreater(len(rows), 0)
@@ -122,7 +122,7 @@ class CompactModels(NodeTest):
 
     def test_damaged_files_are_refused(self):
         write_flow(self.folder / "flow.ply", 300)
-        vog("export", "flow.ply", "-o", "m.vogz", "--deflate")
+        vog("pack", "flow.ply", "-o", "m.vogz", "--deflate")
         whole = (self.folder / "m.vogz").read_bytes()
         draw = random.Random(1)
         broken = [whole[:draw.randrange(len(whole))] for _ in range(8)] + [whole + b"0"]
@@ -136,7 +136,7 @@ class CompactModels(NodeTest):
 
     def test_files_packed_by_zstd_say_so(self):
         write_flow(self.folder / "flow.ply", 300)
-        vog("export", "flow.ply", "-o", "m.vogz")
+        vog("pack", "flow.ply", "-o", "m.vogz")
         data = base64.b64encode((self.folder / "m.vogz").read_bytes()).decode()
         self.assertIn("--deflate", self.value(f"numbers('{data}').then(() => '', (error) => error.message)"))
 

@@ -51,11 +51,11 @@ class Exploring(PageTest):
         cls.rows = random_gaussians(60, lambda mean: [(300 + 10 * mean[0], [10, 0, 0]), (0.5, [0, 0, 0])])
         write_scalars(cls.folder / "two.ply", cls.rows, [("scalar", "heat", 265, 335), ("measure", "mass", 0.1, 1)])
         # Pictures are compared with themselves alone: few slabs, which a GPU in software draws sooner.
-        vog("export", "two.ply", "-o", "two.html", "--set", "levels=1", "--show", "volume", "--slabs", 8)
+        vog("page", "two.ply", "-o", "two.html", "--set", "levels=1", "--show", "volume", "--slabs", 8)
         # Three values of equal measure, four decades apart, and a field of both signs.
         cls.decades = [([k, 0, 0], [0.3] * 3, 1, [(v, [0] * 3), (k - 1, [0] * 3)]) for k, v in enumerate((1e-3, 0.1, 10))]
         write_scalars(cls.folder / "decades.ply", cls.decades, [("scalar", "f", 1e-3, 10), ("scalar", "signed", -1, 1)])
-        vog("export", "decades.ply", "-o", "decades.html", "--set", "levels=1", "--show", "volume", "--field", "f", "--slabs", 8,
+        vog("page", "decades.ply", "-o", "decades.html", "--set", "levels=1", "--show", "volume", "--field", "f", "--slabs", 8,
             "--scale", "linear")
 
     def start(self, page, fragment="#subframes=1&show=T"):
@@ -327,7 +327,7 @@ class Exploring(PageTest):
         frames = 300 if nightly() else 100
         for n in range(3):
             write_scalars(self.folder / f"s_{n}.ply", self.rows[n:], [("scalar", "heat", 265, 335), ("measure", "mass", 0.1, 1)])
-        vog("export", "s_*.ply", "-o", "steps.html", "--set", "levels=1", "--show", "volume", "--slabs", 8)
+        vog("page", "s_*.ply", "-o", "steps.html", "--set", "levels=1", "--show", "volume", "--slabs", 8)
         self.browser.viewport(80, 60)
         self.open("steps.html", "#subframes=1&embed&show=volume")
         # Steps, fields, quantities and edits in turns.

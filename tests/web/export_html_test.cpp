@@ -153,19 +153,19 @@ TEST_F(cli_export, pages_of_models_volumes_and_particles) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o fine.ply --block 2");
     must("convert c.vdb -o coarse.ply --block 8");
-    const auto report = nlohmann::json::parse(must("export fine.ply coarse.ply -o two.html --name "
+    const auto report = nlohmann::json::parse(must("page fine.ply coarse.ply -o two.html --name "
                                                    "A --name B --title T --set levels=2 --json")
                                                   .out);
     EXPECT_EQ(report["models"][0]["name"], "A");
     EXPECT_EQ(report["models"][0]["levels"].size(), 2u);
     EXPECT_EQ(report["bytes"], std::filesystem::file_size(dir_ / "two.html"));
-    const Result page = must("export c.vdb -o volume.html");
+    const Result page = must("page c.vdb -o volume.html");
     EXPECT_NE(page.out.find("volume.html: "), std::string::npos);
     EXPECT_NE(page.error.find("converted with the default options of vog convert"),
               std::string::npos);
     EXPECT_EQ(page_of(read_text(dir_ / "volume.html"))["title"], "c");
     must("sample particles p.xyz --size 10");
-    must("export p.xyz -o particles.html --value speed --background system --blend");
+    must("page p.xyz -o particles.html --value speed --background system --blend");
 }
 
 TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction) {
@@ -173,8 +173,8 @@ TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction)
     must("sample explosion step_10.vdb --size 64");
     must("convert 'step_*.vdb' -o models/ --block 8");
     for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
-        const auto report = nlohmann::json::parse(
-            must("export " + inputs + " -o pages/ --json --set levels=1").out);
+        const auto report =
+            nlohmann::json::parse(must("page " + inputs + " -o pages/ --json --set levels=1").out);
         ASSERT_EQ(report["pages"].size(), 2u);
         EXPECT_EQ(report["pages"][0]["output"], "pages/step_2.html");
         EXPECT_EQ(report["pages"][1]["output"], "pages/step_10.html");
@@ -187,23 +187,29 @@ TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction)
         EXPECT_NE(first["models"][0]["box"], last["models"][0]["box"]);
     }
     // A page of one model has another camera and extinction; a page may also have all models.
-    must("export models/step_10.ply -o alone.html");
+    must("page models/step_10.ply -o alone.html");
     const auto alone = page_of(read_text(dir_ / "alone.html"));
     const auto last = page_of(read_text(dir_ / "pages/step_10.html"));
     EXPECT_NE(alone["models"][0]["extinction"], last["models"][0]["extinction"]);
-    must("export 'models/*.ply' -o all.html");
+    must("page 'models/*.ply' -o all.html");
     EXPECT_EQ(page_of(read_text(dir_ / "all.html"))["models"].size(), 2u);
-    must_fail(2, "export 'models/*.ply' -o pages/ --name a", "--name");
+    must_fail(2, "page 'models/*.ply' -o pages/ --name a", "--name");
 }
 
 TEST_F(cli_export, models_join_and_shrink_as_ply) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o fine.ply --block 2");
     must("convert c.vdb -o coarse.ply --block 8");
-    must("export fine.ply coarse.ply -o both.ply");
+    must("convert fine.ply coarse.ply -o both.ply");
     const Gaussians fine = read_ply(dir_ / "fine.ply"), coarse = read_ply(dir_ / "coarse.ply");
     EXPECT_EQ(read_ply(dir_ / "both.ply").size(), fine.size() + coarse.size());
-    must("export fine.ply -o few.ply --budget 100");
+    must("convert fine.ply -o few.ply --budget 100");
+    must_fail(2, "convert fine.ply -o few.ply --block 8", "--block has no effect with models");
+    must("convert fine.ply -o bare.vogz --no-fields");
+    EXPECT_TRUE(read_model(dir_ / "bare.vogz").fields.empty());
+    // The same bytes as the model, if nothing changes.
+    must("convert fine.ply -o same.ply");
+    EXPECT_TRUE(read_text(dir_ / "same.ply") == read_text(dir_ / "fine.ply"));
     const Gaussians few = read_ply(dir_ / "few.ply");
     EXPECT_LE(few.size(), 100u);
     EXPECT_NEAR(mass(few), mass(fine), 1e-5 * mass(fine));
@@ -212,16 +218,16 @@ TEST_F(cli_export, models_join_and_shrink_as_ply) {
 TEST_F(cli_export, errors_are_one_clear_line) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o m.ply --block 8");
-    must_fail(1, "export m.ply -o page.pdf",
-              "cannot write '.pdf' files here, expected .html or .ply");
-    must_fail(1, "export absent.ply -o page.html", "absent.ply: no such file");
-    must_fail(1, "export m.ply -o m.ply", "is an input too");
-    must_fail(1, "export m.ply c.vdb -o page.html", "another kind");
-    must_fail(1, "export m.ply -o page.html --tf nope", "nope");
-    must_fail(2, "export m.ply -o page.html --name a --name b", "2 names for 1 models");
-    must_fail(2, "export m.ply -o few.ply --title T", "--title has no effect with -o FILE.ply");
-    must_fail(2, "export m.ply -o page.html --radius 3", "--radius has no effect with models");
-    must_fail(2, "export m.ply -o page.html --set levels=0", "--set levels");
+    must_fail(1, "page m.ply -o page.pdf", "page.pdf: this command writes .html");
+    must_fail(1, "page absent.ply -o page.html", "absent.ply: no such file");
+    must_fail(1, "convert m.ply -o m.ply", "is an input too");
+    must_fail(1, "page m.ply c.vdb -o page.html", "another kind");
+    must_fail(1, "page m.ply -o page.html --tf nope", "nope");
+    must_fail(2, "page m.ply -o page.html --name a --name b", "2 names for 1 models");
+    must_fail(2, "convert m.ply -o few.ply --title T",
+              "--title here, only in vog render, vog page");
+    must_fail(2, "page m.ply -o page.html --radius 3", "--radius has no effect with models");
+    must_fail(2, "page m.ply -o page.html --set levels=0", "--set levels");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "page.html"));
 }
 

@@ -28,7 +28,7 @@ class Links(NodeTest):
 
     def state(self, *hashes):
         """State after the address of a page and then some settings; its page stays in `page`."""
-        vog("export", "two.ply", "-o", "page.html", "--set", "levels=1")
+        vog("page", "two.ply", "-o", "page.html", "--set", "levels=1")
         page = re.search(r'<script[^>]*id="page"[^>]*>(.*?)</script>', (self.folder / "page.html").read_text(), re.S).group(1)
         return self.value(f"""(() => {{
             globalThis.page = {page};

@@ -29,7 +29,7 @@ class Maxima(QuantityTest):
         self.pictures("model.html")
 
     def test_maxima_of_precise_pages_are_nearer(self):
-        vog("export", "model.ply", "-o", "precise.html", "--set", "levels=1", "--precise", "--tf", "inferno")
+        vog("page", "model.ply", "-o", "precise.html", "--set", "levels=1", "--precise", "--tf", "inferno")
         self.pictures("precise.html")
 
     def test_maxima_have_a_number_and_a_link(self):
@@ -51,7 +51,7 @@ class Maxima(QuantityTest):
         self.assertRegex(self.value("window.copied"), "show=maximum&field=density&tf=\\w+&range=0,2.5&")
 
     def test_maxima_come_first_of_any_scalar_field(self):
-        vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "maximum", "--field", "temperature", "--slabs", 50)
+        vog("page", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "maximum", "--field", "temperature", "--slabs", 50)
         self.start("first.html")
         self.assertEqual(self.value("vog.page.slabs"), [32, 50, 64])
         ends = self.value("vog.page.models[0].fields[0].ranges[''].maximum.linear")
@@ -59,7 +59,7 @@ class Maxima(QuantityTest):
         found = self.compared("flow.ply", "--show", "maximum", "--field", "temperature", "--slabs", 50, "--range", ",".join(map(repr, ends)))
         self.hold("maximum of temperature: off by more than 4", found["off_by_more_than_4"], FACTOR * 7.8e-4)
         self.hold("maximum of temperature: off by more than 1", found["off_by_more_than_1"], FACTOR * 2.3e-3)
-        self.assertIn("'velocity' is a vector field", self.refused("export", "flow.ply", "-o", "x.html", "--show", "maximum",
+        self.assertIn("'velocity' is a vector field", self.refused("page", "flow.ply", "-o", "x.html", "--show", "maximum",
                                                               "--field", "velocity"))
 
 

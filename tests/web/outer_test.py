@@ -27,7 +27,7 @@ class Outer(PageTest):
         write_model(cls.folder / "one.ply", [0, 0, 0, 1, 1, 1, 0.5, 2, 0, 0, 0.5, 0.5, 0.5, 1])
         write_model(cls.folder / "two.ply", [0, 0, 0, 2, 2, 2, 0.5])
         for name in ("one", "two"):
-            vog("export", f"{name}.ply", "-o", f"{name}.html")
+            vog("page", f"{name}.ply", "-o", f"{name}.html")
         text = {name: (cls.folder / f"{name}.html").read_text() for name in ("one", "two")}
         script = WIDGET.read_text().replace("export default { render };", "")
         (cls.folder / "outer.html").write_text(f"""<!doctype html><meta charset="utf-8"><body style="margin: 0"><div id="cell"></div>
@@ -100,7 +100,7 @@ class Embedded(PageTest):
     @classmethod
     def make(cls):
         write_model(cls.folder / "one.ply", [0, 0, 0, 1, 1, 1, 0.5, 2, 0, 0, 0.5, 0.5, 0.5, 1])
-        vog("export", "one.ply", "-o", "one.html")
+        vog("page", "one.ply", "-o", "one.html")
         (cls.folder / "outer.html").write_text("""<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin: 0; height: 4000px">
 <iframe src="one.html#embed" style="width: 300px; height: 200px; border: 0"></iframe><script>
 const inner = () => document.querySelector('iframe').contentWindow;

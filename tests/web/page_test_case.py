@@ -34,7 +34,7 @@ def command(*arguments):
 
 def vog(*arguments):
     # Pages begin with the whole box in view: their bounds were measured so, and the tests' models have no content to frame.
-    if arguments[0] == "export" and any(str(word).endswith((".html", "/")) for word in arguments):
+    if arguments[0] == "page":
         arguments += ("--frame", "data")
     done = command(*arguments)
     if done.returncode:

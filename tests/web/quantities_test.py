@@ -80,7 +80,7 @@ class Quantities(QuantityTest):
         stride = len(rows) // count
         kept = [rows[n * stride:(n + 1) * stride] for n in range(count) if n % 50 != 25]
         (self.folder / "fewer.ply").write_bytes(head.replace(b"vertex %d" % count, b"vertex %d" % len(kept)) + b"end_header\n" + b"".join(kept))
-        vog("export", "fewer.ply", "-o", "fewer.html", "--set", "levels=1", "--tf", "inferno")
+        vog("page", "fewer.ply", "-o", "fewer.html", "--set", "levels=1", "--tf", "inferno")
         tf = ("--tf", self.write_transfer(RAMP))
 
         def expect_failures():
@@ -111,7 +111,7 @@ class Quantities(QuantityTest):
         expect_failures()
 
     def test_precise_pages_are_within_2_of_255(self):
-        vog("export", "model.ply", "-o", "precise.html", "--set", "levels=1", "--precise")
+        vog("page", "model.ply", "-o", "precise.html", "--set", "levels=1", "--precise")
         usual, precise = ((self.folder / name).stat().st_size for name in ("model.html", "precise.html"))
         self.start("precise.html")
         box, lens, light = self.value("vog.page.models[0].box"), self.value("vog.state.camera"), self.value("vog.state.light")
@@ -142,8 +142,8 @@ class Quantities(QuantityTest):
         slanted, flat = (2, 0.5, -1), (0, -1, 0)
         places = [self.plane_through(slanted, -0.1), self.plane_through(flat, -0.3)]
         planes = ["--clip=" + ",".join(map(repr, (*normal, place))) for normal, place in zip((slanted, flat), places)]
-        # The export's planes are the page's first ones.
-        vog("export", "model.ply", "-o", "planes.html", "--set", "levels=1", "--tf", "inferno", *planes)
+        # The command's planes are the page's first ones.
+        vog("page", "model.ply", "-o", "planes.html", "--set", "levels=1", "--tf", "inferno", *planes)
         whole = self.bytes()
         self.start("planes.html")
         extinction = repr(self.value("vog.page.models[0].extinction"))
@@ -172,9 +172,9 @@ class Quantities(QuantityTest):
         self.expect_page_is("model.ply", "--extinction", extinction, planes[0])
         self.assertNotEqual(self.bytes(), cut)
         # Ten at most.
-        self.assertIn("11 planes, expected at most 10", self.refused("export", "model.ply", "-o", "x.html", *planes[:1] * 11))
-        self.assertIn("or a plane NX,NY,NZ,D", self.refused("export", "model.ply", "-o", "x.html", "--clip", "1,2,3"))
-        vog("export", "model.ply", "-o", "ten.html", "--set", "levels=1", *(f"--clip={x},1,0,{-200 - x}" for x in range(10)),
+        self.assertIn("11 planes, expected at most 10", self.refused("page", "model.ply", "-o", "x.html", *planes[:1] * 11))
+        self.assertIn("or a plane NX,NY,NZ,D", self.refused("page", "model.ply", "-o", "x.html", "--clip", "1,2,3"))
+        vog("page", "model.ply", "-o", "ten.html", "--set", "levels=1", *(f"--clip={x},1,0,{-200 - x}" for x in range(10)),
             "--clip=-100,-100,-100,100,100,100")
 
     def test_planes_are_added_moved_turned_and_removed_by_keys(self):
@@ -245,15 +245,15 @@ class Quantities(QuantityTest):
         self.volume(RAMP, "--slabs", 8)
 
     def test_a_page_begins_as_its_command_says(self):
-        vog("export", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "volume", "--tf", self.write_transfer(RAMP))
+        vog("page", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "volume", "--tf", self.write_transfer(RAMP))
         self.start("first.html")
         self.volume(RAMP)
-        vog("export", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "column", "--scale", "log", "--tf", "viridis")
+        vog("page", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "column", "--scale", "log", "--tf", "viridis")
         self.start("first.html")
         self.assertEqual(self.value("vog.state.scale"), {"log": True})
         low, high = self.value("[vog.page.models[0].lowColumn, vog.page.models[0].mostColumn]")
         self.expect_page_is("model.ply", "--show", "column", "--scale", "log", "--tf", "viridis", "--range", f"{low!r},{high!r}", off=RIM)
-        vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "mean", "--field", "velocity.x",
+        vog("page", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "mean", "--field", "velocity.x",
             "--range=-40,40", "--tf", "viridis")
         self.start("first.html")
         self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.x", "--range=-40,40", "--tf", "viridis")
@@ -279,7 +279,7 @@ class Quantities(QuantityTest):
         self.assertIsNone(self.value("vog.state.scale"))
 
     def test_root_mean_squares_come_first_have_a_number_and_are_of_means_alone(self):
-        vog("export", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis")
+        vog("page", "flow.ply", "-o", "first.html", "--set", "levels=1", "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis")
         self.start("first.html", "#subframes=1")
         self.assertEqual(self.value("document.getElementById('of-quantity').textContent"), "root mean square of velocity [km/s]")
         ends = self.value("[low.value, high.value]")
@@ -301,7 +301,7 @@ class Quantities(QuantityTest):
         # Deviations have components.
         self.change(show="deviation")
         self.assertEqual(self.value("vog.state.part"), "view")
-        self.assertIn("expected a component", self.refused("export", "flow.ply", "-o", "x.html", "--show", "deviation",
+        self.assertIn("expected a component", self.refused("page", "flow.ply", "-o", "x.html", "--show", "deviation",
                                                            "--field", "velocity.magnitude"))
 
     # --- Edits. ---
@@ -413,7 +413,7 @@ class Quantities(QuantityTest):
     def test_steps_play_scrub_and_keep_one_range(self):
         for step, block in ((1, 4), (2, 8), (10, 16)):
             vog("convert", "plume.vdb", "-o", f"t_{step}.ply", "--block", block, "--soft-steps", 0)
-        vog("export", "t_*.ply", "-o", "steps.html", "--set", "levels=1")
+        vog("page", "t_*.ply", "-o", "steps.html", "--set", "levels=1")
         self.start("steps.html", "#subframes=1")
         self.browser.viewport(1000, 800, COARSE)
         names = self.value("vog.page.models.map(({name}) => name)")
@@ -487,11 +487,11 @@ class Quantities(QuantityTest):
         self.assertEqual(self.bytes(), before)
 
     def test_a_model_without_fields_offers_none(self):
-        vog("export", "model.ply", "-o", "bare.html", "--set", "levels=1", "--no-fields")
+        vog("page", "model.ply", "-o", "bare.html", "--set", "levels=1", "--no-fields")
         self.start("bare.html", "#subframes=1&show=volume")
         self.assertEqual(self.value("[...show.options].map(({value}) => value)"), ["T", "column"])
         self.assertEqual(self.value("vog.state.show"), "T")
-        self.assertIn("needs a scalar field", self.refused("export", "flow.ply", "-o", "x.html", "--no-fields", "--show", "volume"))
+        self.assertIn("needs a scalar field", self.refused("page", "flow.ply", "-o", "x.html", "--no-fields", "--show", "volume"))
 
     def test_half_floats_show_volumes_too(self):
         self.start("model.html", "#subframes=1&embed&half")

@@ -67,7 +67,7 @@ class QuantityTest(PageTest):
         write_flow(cls.folder / "flow.ply")
         # From black: where a map begins with a colour, the pixel at which a support ends differs by all of it.
         for name in "model", "flow":
-            vog("export", f"{name}.ply", "-o", f"{name}.html", "--set", "levels=1", "--tf", "inferno")
+            vog("page", f"{name}.ply", "-o", f"{name}.html", "--set", "levels=1", "--tf", "inferno")
 
     def start(self, page, fragment="#subframes=1&embed"):
         self.browser.viewport(*self.size)

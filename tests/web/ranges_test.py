@@ -21,8 +21,8 @@ class Ranges(NodeSiteTest):
     def make(cls):
         write_dust(cls.folder / "dust.ply")
         (cls.folder / "files").mkdir()
-        vog("export", "dust.ply", "-o", "files/dust.vogz", "--hierarchy", "--deflate")
-        vog("export", "files/dust.vogz", "-o", "files/index.html", "--from", "dust.vogz", "--tf", "gray")
+        vog("pack", "dust.ply", "-o", "files/dust.vogz", "--hierarchy", "--deflate")
+        vog("page", "files/dust.vogz", "-o", "files/index.html", "--from", "dust.vogz", "--tf", "gray")
 
     @property
     def size(self):
@@ -161,8 +161,8 @@ class Ranges(NodeSiteTest):
         self.expect_whole()
 
     def test_other_files_are_refused_in_a_line(self):
-        vog("export", "dust.ply", "-o", "zstd.vogz", "--hierarchy")
-        vog("export", "dust.ply", "-o", "flat.vogz", "--deflate")
+        vog("pack", "dust.ply", "-o", "zstd.vogz", "--hierarchy")
+        vog("pack", "dust.ply", "-o", "flat.vogz", "--deflate")
         whole = (self.folder / "files/dust.vogz").read_bytes()
         for body, words in ((self.folder / "zstd.vogz", "packed by zstd"), (self.folder / "flat.vogz", "--hierarchy --deflate"),
                             (b"<!doctype html>", "no compact model"), (b"", "HTTP 416"), (whole[:8] + b"\x02" + whole[9:], "version 2"),
@@ -176,12 +176,12 @@ class Ranges(NodeSiteTest):
             self.assertNotIn("\n", self.failure())
 
     def test_the_command_refuses_other_files_and_addresses(self):
-        vog("export", "dust.ply", "-o", "zstd.vogz", "--hierarchy")
-        self.assertIn("zstd", self.refused("export", "zstd.vogz", "-o", "bad.html", "--from", "zstd.vogz"))
+        vog("pack", "dust.ply", "-o", "zstd.vogz", "--hierarchy")
+        self.assertIn("zstd", self.refused("page", "zstd.vogz", "-o", "bad.html", "--from", "zstd.vogz"))
         for url in ("ftp://host/a.vogz", "https://user:word@host/a.vogz", "javascript:alert(1)", "//host/a.vogz", "https://host/a b.vogz",
                     'https://host/"a.vogz', "https://host/'a.vogz", "https://ho;st/a.vogz", "https://*/a.vogz", "https://host:x/a", "https:host", "a\\b",
                     "https://host/a/", "#a", "", "https://", "data:,a", "https://h\u00f6st/a"):
-            line = self.refused("export", "files/dust.vogz", "-o", "bad.html", "--from", url)
+            line = self.refused("page", "files/dust.vogz", "-o", "bad.html", "--from", url)
             self.assertIn("expected", line, url)
             self.assertEqual(line.count("\n"), 1, line)
         self.assertFalse((self.folder / "bad.html").exists())
@@ -195,9 +195,9 @@ class Checksums(NodeTest):
     @classmethod
     def make(cls):
         write_flow(cls.folder / "flow.ply", 300)
-        vog("export", "flow.ply", "-o", "flow/")
+        vog("page", "flow.ply", "-o", "flow/")
         write_dust(cls.folder / "dust.ply", 150_000)
-        vog("export", "dust.ply", "-o", "dust/")
+        vog("page", "dust.ply", "-o", "dust/")
 
     def missed(self, call, *files):
         """Places of bytes of the last file whose change a decoder does not notice."""
@@ -243,7 +243,7 @@ class Tables(NodeSiteTest):
     @classmethod
     def make(cls):
         write_dust(cls.folder / "dust.ply", 150_000)
-        vog("export", "dust.ply", "-o", "dust/", "--tf", "gray")
+        vog("page", "dust.ply", "-o", "dust/", "--tf", "gray")
 
     def test_a_damaged_table_is_asked_for_again(self):
         tables = sorted(path.name for path in (self.folder / "dust/chunks").glob("*.json"))

@@ -19,7 +19,7 @@ class Failures(NodeSiteTest):
     @classmethod
     def make(cls):
         write_dust(cls.folder / "dust.ply")
-        vog("export", "dust.ply", "-o", "site/", "--tf", "gray")
+        vog("page", "dust.ply", "-o", "site/", "--tf", "gray")
 
     def a_part(self):
         """A chunk below the root."""
@@ -154,7 +154,7 @@ class Failures(NodeSiteTest):
 
     def test_a_field_that_is_missing(self):
         write_flow(self.folder / "flow.ply", 500)
-        vog("export", "flow.ply", "-o", "flow/")
+        vog("page", "flow.ply", "-o", "flow/")
         self.start("flow", answers={".0": 404})
         self.value("vog.change({show: 'mean'})")
         self.until("vog.state.show === 'T'")

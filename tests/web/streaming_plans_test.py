@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plans of streamed pages, folders that `vog export -o FOLDER/` writes: what is requested in which order, what is drawn at rest, detail,
+"""Plans of streamed pages, folders that `vog page -o FOLDER/` writes: what is requested in which order, what is drawn at rest, detail,
 steps in time, limits of memory. In Node.js, without a browser: streaming_test.py has that.
 
 VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Node.js.
@@ -15,7 +15,7 @@ class Plans(NodeSiteTest):
     @classmethod
     def make(cls):
         write_dust(cls.folder / "dust.ply")
-        vog("export", "dust.ply", "-o", "site/", "--tf", "gray")
+        vog("page", "dust.ply", "-o", "site/", "--tf", "gray")
 
     def test_the_coarsest_chunk_comes_first_and_is_small(self):
         server = self.start()
@@ -56,7 +56,7 @@ class Plans(NodeSiteTest):
         for _ in range(DUST):
             rows += [*(rng.uniform(-1, 1) for _ in range(3)), 0.03, 0.03, 0.03, 1]
         write_model(self.folder / "block.ply", rows)
-        vog("export", "block.ply", "-o", "block/", "--tf", "gray")
+        vog("page", "block.ply", "-o", "block/", "--tf", "gray")
         bound = "[vog.source.cut.shown, vog.source.cut.error, stream.textContent.includes('full')]"
         self.start("block", size=(320, 240), fragment="#subframes=1&embed&exposure=0.1&most=40000")
         self.change(self.near(0.1))  # from inside: what is far lies behind the rest
@@ -134,7 +134,7 @@ class Fields(NodeSiteTest):
     @classmethod
     def make(cls):
         write_flow(cls.folder / "flow.ply", 9000)
-        vog("export", "flow.ply", "-o", "flow/", "--precise")
+        vog("page", "flow.ply", "-o", "flow/", "--precise")
 
     def test_files_of_fields_come_when_they_are_shown(self):
         server = self.start("flow")
@@ -155,7 +155,7 @@ class Steps(NodeSiteTest):
     def make(cls):
         for n in range(4):
             write_dust(cls.folder / f"step{n}.ply", 3000, seed=3, shift=0.02 * n)
-        vog("export", "step?.ply", "-o", "steps/", "--site", "--tf", "gray")
+        vog("page", "step?.ply", "-o", "steps/", "--site", "--tf", "gray")
 
     def names(self, n):
         return f"/chunks/{self.manifest('steps')['models'][n]['root']['name']}.vogz"

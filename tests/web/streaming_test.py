@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Streamed pages end to end, in Chromium: folders that `vog export -o FOLDER/` writes and single files by ranges, from several servers and
+"""Streamed pages end to end, in Chromium: folders that `vog page -o FOLDER/` writes and single files by ranges, from several servers and
 origins; pictures at rest against `vog render` of the whole model, quantities, steps in time. Plans and failures need no browser:
 streaming_plans_test.py, streaming_failures_test.py, ranges_test.py.
 
@@ -22,7 +22,7 @@ class Streaming(SiteTest):
     @classmethod
     def make(cls):
         write_dust(cls.folder / "dust.ply", FEW)
-        vog("export", "dust.ply", "-o", "site/", "--tf", "gray")
+        vog("page", "dust.ply", "-o", "site/", "--tf", "gray")
 
     def test_the_picture_at_rest_is_that_of_the_whole_model(self):
         self.start(size=(160, 120))
@@ -155,7 +155,7 @@ class Quantities(SiteTest):
     @classmethod
     def make(cls):
         write_flow(cls.folder / "flow.ply", 9000)
-        vog("export", "flow.ply", "-o", "flow/", "--precise")
+        vog("page", "flow.ply", "-o", "flow/", "--precise")
 
     measured = {"column": 75.6, "mean": 60.2, "volume": 71.9, "maximum": 68.3}  # PSNR [dB]
 
@@ -202,7 +202,7 @@ class Steps(SiteTest):
     def make(cls):
         for n in range(4):
             write_dust(cls.folder / f"step{n}.ply", 3000, seed=3, shift=0.02 * n)
-        vog("export", "step?.ply", "-o", "steps/", "--site", "--tf", "gray")
+        vog("page", "step?.ply", "-o", "steps/", "--site", "--tf", "gray")
 
     def test_playing_goes_through_all_steps(self):
         self.start("steps", fragment="#subframes=1")
@@ -221,7 +221,7 @@ class Elsewhere(SiteTest):
         """Writes page/index.html, whose model lies at an address."""
         folder = self.folder / "page"
         folder.mkdir(exist_ok=True)
-        vog("export", model, "-o", "page/index.html", "--from", url, "--tf", "gray", *options)
+        vog("page", model, "-o", "page/index.html", "--from", url, "--tf", "gray", *options)
         return (folder / "index.html").read_text()
 
     def begin_page(self, folder="page", **served):
@@ -243,8 +243,8 @@ class Ranges(Elsewhere):
     def make(cls):
         write_dust(cls.folder / "dust.ply", FEW)
         (cls.folder / "files").mkdir()
-        vog("export", "dust.ply", "-o", "files/dust.vogz", "--hierarchy", "--deflate")
-        vog("export", "files/dust.vogz", "-o", "files/index.html", "--from", "dust.vogz", "--tf", "gray")
+        vog("pack", "dust.ply", "-o", "files/dust.vogz", "--hierarchy", "--deflate")
+        vog("page", "files/dust.vogz", "-o", "files/index.html", "--from", "dust.vogz", "--tf", "gray")
 
     @property
     def size(self):
@@ -339,9 +339,9 @@ class Fields(Elsewhere):
     def make(cls):
         write_flow(cls.folder / "flow.ply", 9000)
         (cls.folder / "files").mkdir()
-        vog("export", "flow.ply", "-o", "files/flow.vogz", "--hierarchy", "--deflate", "--set", "rounding=0.001", "--set", "field-rounding=0.0005")
-        vog("export", "files/flow.vogz", "-o", "files/index.html", "--from", "flow.vogz")
-        vog("export", "flow.ply", "-o", "flow/")
+        vog("pack", "flow.ply", "-o", "files/flow.vogz", "--hierarchy", "--deflate", "--set", "rounding=0.001", "--set", "field-rounding=0.0005")
+        vog("page", "files/flow.vogz", "-o", "files/index.html", "--from", "flow.vogz")
+        vog("page", "flow.ply", "-o", "flow/")
 
     def test_fields_come_when_they_are_shown(self):
         self.browser.viewport(100, 80)
@@ -385,7 +385,7 @@ class Fields(Elsewhere):
     def test_a_site_in_a_folder_beside_the_page(self):
         (self.folder / "both").mkdir()
         shutil.copytree(self.folder / "flow", self.folder / "both/data")
-        vog("export", "flow", "-o", "both/index.html", "--from", "data", "--tf", "gray")
+        vog("page", "flow", "-o", "both/index.html", "--from", "data", "--tf", "gray")
         self.assertIn("connect-src 'self';", (self.folder / "both/index.html").read_text())
         self.begin_page("both")
         self.browser.settle()

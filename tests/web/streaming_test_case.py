@@ -1,4 +1,4 @@
-"""What tests of streamed pages share: sites that `vog export -o FOLDER/` writes, served on loopback, in a browser or in Node.js."""
+"""What tests of streamed pages share: sites that `vog page -o FOLDER/` writes, served on loopback, in a browser or in Node.js."""
 import base64
 import contextlib
 import json
@@ -211,7 +211,7 @@ class NodeSiteTest(Served, NodeTest):
 
     def expect_whole(self, model="dust.ply", least=LEAST_PSNR_DB):
         """Expects what is drawn to look like all of a model (node/likeness.mjs)."""
-        vog("export", model, "-o", "whole.vogz", "--deflate", "--set", "rounding=0.001")
+        vog("pack", model, "-o", "whole.vogz", "--deflate", "--set", "rounding=0.001")
         data = base64.b64encode((self.folder / "whole.vogz").read_bytes()).decode()
         self.settle()
         found = self.value(f"likeness('{data}')")

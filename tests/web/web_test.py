@@ -21,8 +21,8 @@ class Pages(PageTest):
         # A GPU in software takes as long for a Gaussian as for some hundred pixels.
         for name, block in (("levels", 2), ("fine", 4), ("coarse", 8)):
             vog("convert", volume, "-o", f"{name}.ply", "--block", block, "--soft-steps", 0)
-        vog("export", "levels.ply", "-o", "levels.html", "--tf", "gray")
-        vog("export", "fine.ply", "coarse.ply", "-o", "page.html", "--tf", "gray",
+        vog("page", "levels.ply", "-o", "levels.html", "--tf", "gray")
+        vog("page", "fine.ply", "coarse.ply", "-o", "page.html", "--tf", "gray",
             "--title", "Smoke & mirrors", "--description", "A test.")
 
     # --- Pictures. ---
@@ -258,7 +258,7 @@ class Pages(PageTest):
             "{:.4f} {:.4f} {:.4f}\n".format(*(1e7 * (k - 1) + numbers.gauss(0, 0.1) for k in range(3)))
             for _ in range(500)))
         vog("convert", "far.xyz", "-o", "far.ply", "--no-hierarchy")
-        vog("export", "far.ply", "-o", "far.html", "--tf", "gray")
+        vog("page", "far.ply", "-o", "far.html", "--tf", "gray")
         self.open("far.html")
         self.expect_same("far.ply")
         self.browser.wheel(160, 120, -120)
@@ -324,7 +324,7 @@ class Pages(PageTest):
         self.expect_same()
 
     def test_the_background_of_the_readers_system(self):
-        vog("export", "coarse.ply", "-o", "system.html", "--background", "system", "--blend")
+        vog("page", "coarse.ply", "-o", "system.html", "--background", "system", "--blend")
         for scheme, ground, color in (("light", "light", "white"), ("dark", "dark", "black")):
             self.browser.prefer(prefers_color_scheme=scheme)
             self.open("system.html")
@@ -345,7 +345,7 @@ class Pages(PageTest):
 
     def test_a_title_is_text(self):
         title = "<img src=x onerror=document.title='broken'> & \"'</script><script>document.title='broken'"
-        vog("export", "coarse.ply", "-o", "title.html", "--title", title, "--description", title,
+        vog("page", "coarse.ply", "-o", "title.html", "--title", title, "--description", title,
             "--name", title)
         self.open("title.html")
         self.assertEqual(self.value("document.title"), title)
@@ -356,7 +356,7 @@ class Pages(PageTest):
     def test_empty_and_single(self):
         write_model(self.folder / "none.ply", [])
         write_model(self.folder / "one.ply", [1, 2, 3, 0.5, 1, 2, 4])
-        vog("export", "none.ply", "one.ply", "-o", "few.html", "--tf", "gray")
+        vog("page", "none.ply", "one.ply", "-o", "few.html", "--tf", "gray")
         self.open("few.html")
         self.assertIn("empty", self.value("notice.textContent"))
         self.value("vog.change({model: 1})")
@@ -373,7 +373,7 @@ class Pages(PageTest):
         for _ in range(count):
             rows.extend((number(), number(), number(), size, 0.75 * size, size, 1))
         write_model(self.folder / "many.ply", rows)
-        report = json.loads(vog("export", "many.ply", "-o", "many.html", "--tf", "gray", "--json"))
+        report = json.loads(vog("page", "many.ply", "-o", "many.html", "--tf", "gray", "--json"))
         self.assertEqual(report["gaussians"], count)
         self.assertGreaterEqual(len(report["models"][0]["levels"]), levels)
         self.open("many.html")

@@ -19,6 +19,8 @@ void add_render(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_view(CLI::App& app);
+void add_page(CLI::App& app);
+void add_pack(CLI::App& app);
 void add_export(CLI::App& app);
 void add_serve(CLI::App& app);
 void add_voxelize(CLI::App& app);

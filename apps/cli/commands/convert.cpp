@@ -10,6 +10,7 @@
 
 #include "commands/commands.h"
 #include "fields/field_conversion.h"
+#include "models/model_inputs.h"
 #include "options/conversion_options.h"
 #include "options/field_options.h"
 #include "options/parser/settings.h"
@@ -155,6 +156,29 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
     return report(arguments, FileKind::points, made, sum, totals, stages);
 }
 
+/// Writes models as one: of other files, without fields, or coarsened.
+nlohmann::ordered_json convert_models(const ConvertArguments& arguments) {
+    Stages stages(arguments.verbose);
+    ModelArguments from = arguments;
+    from.budget = arguments.moments.budget;
+    ModelInputs inputs(from, stages);
+    const bool keeps = !arguments.no_hierarchy && extension_of(arguments.output) == ".ply";
+    InputModel input = inputs.count() == 1 ? inputs.read(0, keeps) : InputModel{{}, inputs.sum()};
+    const Gaussians& model = input.model;
+    const Hierarchy hierarchy = input.hierarchy.empty()
+                                    ? hierarchy_of(input.model, arguments, {}, stages)
+                                    : std::move(input.hierarchy);
+    stages.run("save", [&] { write_model(arguments.output, model, hierarchy); });
+    const std::uint64_t bytes = std::filesystem::file_size(arguments.output);
+    if (!arguments.json)
+        print_line(fmt::format("{}: {} Gaussians, {}", arguments.output, count_text(model.size()),
+                               bytes_text(bytes)));
+    nlohmann::ordered_json json = {
+        {"output", arguments.output}, {"gaussians", model.size()}, {"bytes", bytes}};
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    return json;
+}
+
 /// Converts all inputs to one model.
 /// in_sequence  whether it is one of a folder's
 /// returns      the report of --json; null where it was printed in words
@@ -162,22 +186,25 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
                                    const ConvertRanks& ranks, bool in_sequence = false) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (ranks.collective && extension_of(arguments.output) == ".vogz")
-        throw Error(fmt::format("{}: expected .ply of vog-mpi; vog export makes it .vogz",
-                                arguments.output));
+        throw Error(
+            fmt::format("{}: vog-mpi convert writes .ply, which vog pack packs", arguments.output));
     if (kind == FileKind::points)
         check_output(arguments.output, arguments.inputs,
                      {".ply", ".vogz", ".vdb", ".xyz", ".csv", ".tsv"});
     else
         check_output(arguments.output, arguments.inputs, {".ply", ".vogz"});
-    if (kind == FileKind::model)
-        throw Error(fmt::format("{}: is a model already, expected volumes or particles",
-                                arguments.inputs.front()));
+    if (kind == FileKind::model && ranks.collective)
+        throw Error(
+            fmt::format("{}: a model; vog convert reads models, vog-mpi convert volumes "
+                        "and particles",
+                        arguments.inputs.front()));
     Facts facts = conversion_facts(arguments, command, kind);
     facts["output"] = in_sequence ? "models/" : extension_of(arguments.output);
     // Particles that are written as they are: masses count where negative ones become 0.
     if (!command.has("--clip-negative")) facts["values"] = facts["output"];
     require_effects(command, facts);
     if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
+    if (kind == FileKind::model) return convert_models(arguments);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments) : MomentOptions{};
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments);
@@ -473,22 +500,22 @@ void add_convert(CLI::App& app) { add_convert(app, std::make_shared<ConvertArgum
 
 CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& arguments,
                       const ConvertRanks& ranks) {
-    CLI::App* command =
-        app.add_subcommand("convert", "Convert volumes or particles to a model of 3D Gaussians");
+    CLI::App* command = app.add_subcommand("convert",
+                                           "Convert volumes or particles to a model of 3D "
+                                           "Gaussians; or join, thin out and rewrite models");
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb; .nii, .nrrd, .mha, .tif, .fits) or particles (.xyz, .csv, .tsv, "
-            ".vdb, .hdf5). Several give one model, or one model each where -o is a folder. Quoted "
-            "patterns match files in natural order: "
-            "'frame_*.vdb'")
+            "Volumes (.vdb, .nvdb; .nii, .nrrd, .mha, .tif, .fits), particles (.xyz, .csv, .tsv, "
+            ".vdb, .hdf5) or models (.ply, .vogz, sites). Several give one model, or one model "
+            "each if -o is a folder. Quoted patterns match files in natural order: 'frame_*.vdb'")
         ->required();
     command
-        ->add_option(
-            "-o,--output", arguments->output,
-            "Model to write, .ply; particles can be written unconverted as .vdb, .xyz, .csv "
-            "or .tsv. A folder (or a name that ends in /): one model per input, for time "
-            "series")
+        ->add_option("-o,--output", arguments->output,
+                     "Model to write (.ply or .vogz); particles can be written unconverted as "
+                     ".vdb, .xyz, .csv "
+                     "or .tsv. A folder (or a name that ends in /): one model per input, for time "
+                     "series")
         ->required();
     add_volume_options(*command, arguments->volume);
     command

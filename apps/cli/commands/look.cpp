@@ -36,7 +36,7 @@ void print_steps(const std::vector<NextStep>& steps) {
 std::vector<NextStep> steps_of_many(FileKind kind, const std::string& inputs) {
     if (kind == FileKind::model)
         return {{fmt::format("vog render {} -o pictures/", inputs), "a picture of each"},
-                {fmt::format("vog export {} -o models.html", inputs), "one page"},
+                {fmt::format("vog page {} -o models.html", inputs), "one page"},
                 {fmt::format("vog view {} --steps", inputs), "a window with time"}};
     return {{fmt::format("vog render {} -o pictures/", inputs), "a picture of each"},
             {fmt::format("vog convert {} -o models/", inputs), "a model of each"}};

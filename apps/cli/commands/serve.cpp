@@ -85,12 +85,12 @@ void serve(ServeArguments arguments, bool port_given) {
 void add_serve(CLI::App& app) {
     auto arguments = std::make_shared<ServeArguments>();
     CLI::App* command = app.add_subcommand("serve",
-                                           "Serve a site of vog export to the browsers of this "
+                                           "Serve a site of vog page to the browsers of this "
                                            "machine; prints its address, Ctrl-C ends it");
     command
         ->add_option(
             "site", arguments->input,
-            "Folder that vog export MODEL -o site/ has written, one page (.html) or one compact "
+            "Folder that vog page MODEL -o site/ has written, one page (.html) or one compact "
             "model (.vogz; with --hierarchy --deflate a page shows it). Nothing outside of it is "
             "served")
         ->required();

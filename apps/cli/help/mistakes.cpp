@@ -25,6 +25,7 @@ const std::map<std::string, std::string> kRenamed = {
     {"--azimuth", "--view AZIMUTH,ELEVATION"},
     {"--elevation", "--view AZIMUTH,ELEVATION"},
     {"--field-step", "--set field-rounding=STEP"},
+    {"--carry", "--field"},
     {"--save-camera", "--camera PICTURE, where it is used"}};
 
 /// Names of a command's options: settings as --set NAME.
@@ -41,7 +42,9 @@ bool has_option(const CommandText& command, const std::string& name) {
 /// Extension of the file that a command writes with -o; empty: a folder or no file.
 std::string output_extension(const std::string& program, const std::string& command) {
     if (command == "convert") return ".ply";
-    if (command == "export") return program == "vog-mpi" ? "/" : ".html";
+    if (command == "page") return program == "vog-mpi" ? "/" : ".html";
+    if (command == "pack") return ".vogz";
+    if (command == "export") return ".glb";
     if (command == "voxelize") return ".vdb";
     return "";
 }

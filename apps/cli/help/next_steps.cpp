@@ -52,7 +52,7 @@ std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& v
                  "a volume picture; --window CENTRE,WIDTH chooses values"},
                 {fmt::format("vog convert {} -o {} --measure volume", file, ply),
                  "Gaussians that carry the values, positive and negative"},
-                {fmt::format("vog export {} -o {} --show volume", ply, html),
+                {fmt::format("vog page {} -o {} --show volume", ply, html),
                  "then a page for a browser"},
                 {fmt::format("vog view {} --show volume", ply), "or a window"},
                 {fmt::format("vog render {} -o {} --clip-negative", file, png),
@@ -61,7 +61,7 @@ std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& v
             {fmt::format("vog render {} -o {} --show volume", file, png),
              "the same as a volume picture"},
             {fmt::format("vog convert {} -o {}", file, ply), "Gaussians"},
-            {fmt::format("vog export {} -o {}", file, html), "a page for a browser"},
+            {fmt::format("vog page {} -o {}", file, html), "a page for a browser"},
             {fmt::format("vog view {}", file), "a window"}};
 }
 
@@ -114,9 +114,9 @@ std::vector<NextStep> steps_of_model(const FileContents& contents) {
                                      quoted(contents.fields.front())),
                          fmt::format("a picture by the value of {}", contents.fields.front())});
     steps.push_back(
-        {fmt::format("vog export {} -o {}{}", file, beside(contents.file, ".html"), by_value),
+        {fmt::format("vog page {} -o {}{}", file, beside(contents.file, ".html"), by_value),
          "a page for a browser"});
-    steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, "-small.vogz")),
+    steps.push_back({fmt::format("vog pack {} -o {}", file, beside(contents.file, "-small.vogz")),
                      "a compact model"});
     steps.push_back({fmt::format("vog view {}{}", file, by_value), "a window"});
     return steps;
@@ -139,7 +139,7 @@ std::vector<NextStep> steps_of_points(const FileContents& contents) {
          types.empty() ? "a picture" : "a picture of " + types.front()},
         {fmt::format("vog convert {} -o {} --budget 10000", file, beside(contents.file, ".ply")),
          "at most 10,000 Gaussians"},
-        {fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
+        {fmt::format("vog page {} -o {}", file, beside(contents.file, ".html")),
          "a page for a browser"},
         {fmt::format("vog view {}", file), "a window"}};
     if (types.size() > 1)

@@ -3,13 +3,8 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <filesystem>
-
-#include "shared/inputs.h"
+#include "models/model_inputs.h"
 #include "vog/shade.h"
-#include "vog/site.h"
-#include "vog/text.h"
 
 namespace vog::cli {
 
@@ -69,10 +64,7 @@ void check_names(const PageArguments& arguments, std::size_t models) {
 }
 
 std::string model_name(const PageArguments& arguments, const std::string& file, std::size_t n) {
-    if (!arguments.names.empty()) return arguments.names[n];
-    if (const auto site = find_site(file))
-        return read_site_info(site->folder).models[site->model].name;
-    return printable(std::filesystem::path(file).stem().string());
+    return arguments.names.empty() ? model_name(file) : arguments.names[n];
 }
 
 }  // namespace vog::cli

@@ -9,7 +9,7 @@
 
 namespace vog::cli {
 
-VogzPrecision site_precision(const CompactArguments& arguments, bool precise) {
+VogzPrecision site_precision(const RoundingArguments& arguments, bool precise) {
     VogzPrecision precision = precise ? kPagePrecision : VogzPrecision{};
     if (arguments.step > 0) precision.step = arguments.step;
     if (arguments.field_step > 0) precision.field_step = arguments.field_step;
@@ -25,7 +25,7 @@ void refuse_own_folder(const std::vector<std::string>& inputs, const std::string
 }
 
 WrittenSite write_site(const std::string& folder, const VogzPrecision& precision, std::size_t count,
-                       const std::function<SiteInput(std::size_t)>& read,
+                       const std::function<InputModel(std::size_t)>& read,
                        const std::function<HtmlOptions(const HtmlModel&)>& options, Stages& stages,
                        const Collective* processes) {
     const bool is_root = !processes || processes->is_root();
@@ -33,7 +33,7 @@ WrittenSite write_site(const std::string& folder, const VogzPrecision& precision
     std::optional<SiteWriter> site;
     std::vector<HtmlModel> entries;
     for (std::size_t n = 0; n < count; ++n) {
-        SiteInput input = read(n);
+        InputModel input = read(n);
         const HierarchyOptions nodes{input.index_from_world};
         entries.push_back(stages.run("hierarchy", [&] {
             return prepare_for_site(input.name, input.model, input.hierarchy, nodes, processes);

@@ -3,31 +3,19 @@
 
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "options/output_options.h"
-#include "shared/terminal.h"
+#include "models/model_inputs.h"
 #include "vog/distributed.h"
 #include "vog/export_html.h"
-#include "vog/linear.h"
 #include "vog/site.h"
 
 namespace vog::cli {
 
 /// Fineness of a site's numbers.
 /// precise  those of a page in place of a compact file's
-VogzPrecision site_precision(const CompactArguments& arguments, bool precise);
-
-/// A model, and where its hierarchy comes from.
-struct SiteInput {
-    std::string name;
-    Gaussians model;
-    Hierarchy hierarchy{};  ///< of its file; empty: built
-    std::optional<Affine>
-        index_from_world{};  ///< lattice of the model's cells; none: the box of the means is divided
-};
+VogzPrecision site_precision(const RoundingArguments& arguments, bool precise);
 
 /// A site's report, and the size of its page.
 struct WrittenSite {
@@ -43,7 +31,7 @@ void refuse_own_folder(const std::vector<std::string>& inputs, const std::string
 /// options    options(first) of the page, from the first model
 /// processes  write the site together: read(n) then gives this one's part, and page and report are of process 0; null: one
 WrittenSite write_site(const std::string& folder, const VogzPrecision& precision, std::size_t count,
-                       const std::function<SiteInput(std::size_t)>& read,
+                       const std::function<InputModel(std::size_t)>& read,
                        const std::function<HtmlOptions(const HtmlModel&)>& options, Stages& stages,
                        const Collective* processes = nullptr);
 /// Prints the report of a site in words.

@@ -98,6 +98,17 @@ Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, do
 
 }  // namespace
 
+void add_up_option(CLI::App& command, ViewArguments& arguments) {
+    command
+        .add_option(
+            "--up", arguments.up,
+            "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
+            "up in the picture, and in viewers of exported splats; the angles of --view are "
+            "measured about it. Default: as the file says or implies (z for scans in RAS, FITS, "
+            "levels of meshes, Blender's and Mantaflow's grids), else y")
+        ->check(up_error);
+}
+
 void add_view_options(CLI::App& command, ViewArguments& arguments) {
     const OptionGroup grouped(command, kViewGroup);
     command
@@ -145,14 +156,7 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         .add_option("--look-at", arguments.look_at,
                     "Point x,y,z to look at, world units; default: the centre of the bounding box")
         ->check(vector_error);
-    command
-        .add_option(
-            "--up", arguments.up,
-            "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
-            "up in the picture, and in viewers of exported splats; the angles of --view are "
-            "measured about it. Default: as the file says or implies (z for scans in RAS, FITS, "
-            "levels of meshes, Blender's and Mantaflow's grids), else y")
-        ->check(up_error);
+    add_up_option(command, arguments);
     command
         .add_option(setting("roll"), arguments.roll_degrees,
                     "Turn the camera clockwise about its view direction, degrees")

@@ -1,4 +1,4 @@
-// camera_options.h: camera options of render, view and export.
+// camera_options.h: camera options of render, view and page.
 #pragma once
 
 #include <optional>
@@ -19,6 +19,8 @@ struct ViewArguments {
 
 /// Adds the options of cameras: --view, --eye, --up, --orthographic, --camera and theirs.
 void add_view_options(CLI::App& command, ViewArguments& arguments);
+/// Adds --up.
+void add_up_option(CLI::App& command, ViewArguments& arguments);
 
 /// Direction of --up, of any length above 0; without it as the subject stands.
 Vec3d up_of(const ViewArguments& arguments, const Subject& subject);

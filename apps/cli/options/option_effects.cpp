@@ -25,10 +25,8 @@ struct Row {
     std::string instead{};  ///< what serves the purpose otherwise
 };
 
-constexpr const char* kPages = ".html site";
-constexpr const char* kSplats = ".spz .glb .usda 3dgs";
-constexpr const char* kSplatsAndPages = ".html site .spz .glb .usda 3dgs";
 constexpr const char* kModels = ".ply .vogz models/";
+constexpr const char* kData = "volumes particles text";
 constexpr const char* kByMoments = "[Conversion by moments (--method moments)]";
 constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
 
@@ -38,10 +36,10 @@ const std::vector<Row> kRows = {
     {"", "--mask --combine --level-set-to-fog", "input", "volumes"},
     {"", "--skip-nonfinite", "input", "volumes particles text models"},
     {"", "--clip-negative", "input", "volumes particles text"},
-    {"convert render export view info evaluate", "--grid", "input", "volumes particles"},
+    {"convert render page pack export view info evaluate", "--grid", "input", "volumes particles"},
     {"convert", "--periodic", "input", "particles text volumes"},
     {"", "--columns --value --radius --neighbours", "input", "particles text"},
-    {"render export view", "--periodic", "input", "particles text"},
+    {"render page pack export view", "--periodic", "input", "particles text"},
     {"", "--columns", "input", "text"},
     {"", "--neighbours", "--radius", "adaptive auto"},
     {"", "--mask", "--combine", "- mesh"},
@@ -51,28 +49,13 @@ const std::vector<Row> kRows = {
     {"render", "--frame", "--axes", "-"},
     {"", "--view --distance", "--eye", "-"},
     {"", "--fov", "--orthographic", "-"},
-    // Outputs of vog export.
-    {"export", "--site", "output", "site"},
-    {"export", "--max-loss --reference --set.model-psnr --hierarchy --deflate", "output", ".vogz"},
-    {"export", "--set.rounding --set.field-rounding", "output", ".vogz site"},
-    {"export", "--as", "output", ".ply 3dgs volprim"},
-    {"export", "--units", "output", kSplats},
-    {"export", "--set.levels", "output", ".html"},
-    {"export", "--memory --set.scratch", "output", "site"},
-    {"export", "--extinction", "output", ".html site .spz .glb .usda 3dgs volprim"},
-    {"export", "--tf --field", "output", kSplatsAndPages},
-    {"export", "--no-fields", "output", ".html site .vogz .ply"},
-    {"export", "--no-fields", "input", "volumes models compact-models"},
-    {"export", "--title --description --name --precise --steps", "output", kPages},
-    {"export", "--from", "output", ".html"},
-    {"export", "--show --range --scale --clip --background --blend", "output", kPages},
-    {"export", "[Volume rendering (--show volume)]", "output", kPages},
-    {"export", "--up", "output", kSplatsAndPages},
-    {"export", "--view --distance --fov --frame --orthographic --width", "output", kPages},
-    {"export", "--eye --look-at --set.roll --camera", "output", kPages},
-    {"export", "--site --no-fields --budget --set.levels --precise", "--from", "-"},
-    {"export", "[Compact model (.vogz)]", "--from", "-"},
-    {"export", "[Large data]", "--from", "-"},
+    // Outputs.
+    {"page", "--set.rounding --set.field-rounding --site --memory --set.scratch", "output", "site"},
+    {"page", "--set.levels --from", "output", ".html"},
+    {"page", "--no-fields --budget --set.levels --precise", "--from", "-"},
+    {"page pack", "--no-fields", "input", "volumes models compact-models"},
+    {"export", "--as", "output", "3dgs volprim"},
+    {"export", "--units --tf --field --up", "output", ".spz .glb .usda 3dgs"},
     // Conversions.
     {"convert", kByMoments, "--method", "moments"},
     {"convert", kOfPaper, "--method", "paper"},
@@ -82,10 +65,14 @@ const std::vector<Row> kRows = {
     {"convert", "--no-fields --no-hierarchy --measure", "output", kModels},
     {"convert", "--value", "values", kModels},
     {"convert", "--no-hierarchy", "output", ".ply models/"},
+    {"convert", "--method --lod --field --error --block --axis-aligned --mass-threshold", "input",
+     kData},
+    {"convert", "--measure-error", "input", kData},
+    {"convert", kOfPaper, "input", kData},
     {"convert", "--again", "output", "models/"},
-    {"convert",
-     "--for --set.joint-steps --measure --no-fields --set.spread --soft-steps --refine --split",
+    {"convert", "--for --set.joint-steps --measure --set.spread --soft-steps --refine --split",
      "input", "volumes"},
+    {"convert", "--no-fields", "input", "volumes models compact-models"},
     {"convert",
      "--set.strategy --set.dense-block --set.amplitude --set.opacity-threshold "
      "--set.minimum-radius",
@@ -99,19 +86,18 @@ const std::vector<Row> kRows = {
     {"convert", "--set.joint-steps", "--for", "*"},
     {"convert", "--no-fields --set.spread", "--for", "-"},
     {"convert", "--no-fields", "--field", "-"},
-    {"convert export", "--level-set-to-fog --clip-negative", "--measure", "density"},
+    {"convert page", "--level-set-to-fog --clip-negative", "--measure", "density"},
     {"", "--budget --error --lod", "--block", "-"},
     {"", "--error --lod", "--budget", "-"},
     {"", "--lod", "--error", "-"},
-    {"convert export", "--measure-error", "cut", "--block --budget --lod"},
+    {"convert page", "--measure-error", "cut", "--block --budget --lod"},
     {"convert", "--set.strategy --set.dense-block", "--lod", "-"},
     {"convert", "--set.dense-block", "strategy", "smart strict single"},
     {"convert", "--set.variance-threshold", "strategy", "variance"},
     {"convert", "--set.similarity", "strategy", "neighbours"},
     {"convert", "--set.tree-depth", "strategy", "tree"},
-    {"export", kByMoments, "input", "volumes"},  // vog-mpi
-    {"export", "--carry --lod --measure", "input", "volumes"},
-    {"export", "--no-fields", "--carry", "-"},
+    {"page", "[Conversion by moments (--method moments)]", "input", "volumes"},  // vog-mpi
+    {"page", "--lod --measure", "input", "volumes"},
     // What is shown.
     {"render", "--set.fps", "output", "film"},
     {"render", "--steps", "--turntable", "*"},
@@ -227,9 +213,6 @@ std::string spelled(const std::string& fact, std::vector<std::string> values, co
                                                              {"several", "several inputs"},
                                                              {"one", "one input"}};
     if (contains(values, "particles")) std::erase(values, "text");
-    if (contains(values, ".ply"))  // of any layout
-        std::erase_if(values,
-                      [](const std::string& one) { return one == "3dgs" || one == "volprim"; });
     for (std::string& value : values) {
         const auto name = names.find(value);
         if (name != names.end())

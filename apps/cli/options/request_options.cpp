@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <CLI/CLI.hpp>
-#include <set>
 
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
@@ -143,6 +142,11 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
                                   general && !group.empty() ? group : spelled(member.group));
         add_option(command, words, member);
     }
+}
+
+void add_member_options(CLI::App& command, RequestWords& words, const std::set<std::string>& keys) {
+    for (const RequestMember& member : request_schema())
+        if (keys.contains(member.key)) add_option(command, words, member);
 }
 
 std::string options_of(const RequestMember& member) {

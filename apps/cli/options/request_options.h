@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct RequestWords {
 /// group  heading in place of those of quantities and colours; empty: theirs
 void add_request_options(CLI::App& command, RequestWords& words);
 void add_shown_options(CLI::App& command, RequestWords& words, const std::string& group = "");
+/// Adds the options of some members, by their keys.
+void add_member_options(CLI::App& command, RequestWords& words, const std::set<std::string>& keys);
 
 /// Options of a member: "--slabs"; of bands "--band --iso".
 std::string options_of(const RequestMember& member);

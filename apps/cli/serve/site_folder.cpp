@@ -73,7 +73,7 @@ void check_site(const fs::path& folder) {
     }
     if (!absent.empty())
         throw Error(
-            fmt::format("{}: a folder without {}, expected a site, as vog export MODEL -o site/ "
+            fmt::format("{}: a folder without {}, expected a site, as vog page MODEL -o site/ "
                         "writes it, a page (.html) or a compact model (.vogz)",
                         folder.string(), absent));
 }
@@ -101,7 +101,7 @@ SiteFolder::SiteFolder(const fs::path& path) {
     if (!fs::is_regular_file(root_, code) || (extension != ".html" && extension != ".vogz") ||
         !plain_names(only_))
         throw Error(fmt::format(
-            "{}: expected a site (a folder of vog export MODEL -o site/), a page (.html) or a "
+            "{}: expected a site (a folder of vog page MODEL -o site/), a page (.html) or a "
             "compact model (.vogz)",
             path.string()));
     root_ = root_.parent_path();

@@ -21,11 +21,8 @@
 
 namespace vog::cli {
 
-struct ConvertArguments {
-    std::vector<std::string> inputs;
-    std::string output, method = "moments", measure = "density";
-    VolumeInputOptions volume;
-    PointInputOptions points;
+struct ConvertArguments : ModelArguments {
+    std::string method = "moments", measure = "density";
     int lod = 0;
     std::string strategy, amplitude = "mean";
     PaperOptions paper;
@@ -33,9 +30,7 @@ struct ConvertArguments {
     std::vector<std::string> fields;  ///< texts of --field (options/field_options.h)
     std::string joint_field;          ///< --for: a field, or "volume"; empty: none
     int joint_steps = kJointSteps;
-    bool no_fields = false;
-    int threads = 0;
-    bool no_hierarchy = false, json = false, verbose = false, again = false;
+    bool no_hierarchy = false, again = false;
     MemoryArguments memory;
 };
 

@@ -69,8 +69,7 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     if (is_points_file(file)) return FileKind::points;
     if (!fs::exists(file, code)) refuse_missing(file);
     if (fs::is_directory(fs::path(file) / "chunks", code))
-        throw Error(fmt::format(
-            "{}: an export of a site that has not ended; vog export again goes on", file));
+        throw Error(fmt::format("{}: an incomplete site; run vog page again to complete it", file));
     if (fs::is_directory(file, code) && advice_on(file).empty())
         throw Error(fmt::format("{}: a folder, expected files, such as '{}' (vog {} lists it)",
                                 file, (fs::path(file) / "*.vdb").string(), file));

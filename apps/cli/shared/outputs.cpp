@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <map>
 #include <system_error>
 
+#include "help/next_steps.h"
 #include "shared/inputs.h"
+#include "shared/sequence.h"
 #include "vog/error.h"
 
 namespace vog::cli {
@@ -28,6 +31,16 @@ bool same_file(const fs::path& a, const fs::path& b) {
         return fs::weakly_canonical(fs::absolute(path, code), code);
     };
     return full(a) == full(b);
+}
+
+/// Command that writes files of an extension, or folders; empty: none.
+std::string writer_of(const std::string& output, const std::string& extension) {
+    static const std::map<std::string, std::string> kWriters = {
+        {".html", "page"},   {".vogz", "pack"},   {".spz", "export"}, {".glb", "export"},
+        {".usda", "export"}, {".ply", "convert"}, {".png", "render"}, {".exr", "render"}};
+    if (is_sequence(output)) return "page";
+    const auto found = kWriters.find(extension);
+    return found == kWriters.end() ? "" : found->second;
 }
 
 /// throws vog::Error unless a file of this name can be written
@@ -49,12 +62,25 @@ void check_folder(const std::string& output) {
 
 }  // namespace
 
+std::string command_line(const std::string& command, const std::vector<std::string>& inputs,
+                         const std::string& output) {
+    constexpr std::size_t kShown = 3;
+    std::string text = "vog " + command;
+    for (std::size_t n = 0; n < std::min(inputs.size(), kShown); ++n)
+        text += " " + quoted(inputs[n]);
+    if (inputs.size() > kShown) text += " ...";
+    return text + " -o " + quoted(output);
+}
+
 void check_output(const std::string& output, const std::vector<std::string>& inputs,
                   const std::vector<std::string>& extensions) {
     const std::string extension = extension_of(output);
-    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
-        throw Error(fmt::format("{}: cannot write '{}' files here, expected {}", output, extension,
-                                fmt::join(extensions, " or ")));
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) {
+        const std::string writer = writer_of(output, extension);
+        throw Error(
+            fmt::format("{}: this command writes {}{}", output, fmt::join(extensions, ", "),
+                        writer.empty() ? "" : "; use " + command_line(writer, inputs, output)));
+    }
     check_folder(output);
     check_distinct({output}, inputs);
 }

@@ -6,8 +6,13 @@
 
 namespace vog::cli {
 
+/// "vog page m.ply -o m.html": the command with some of the inputs.
+std::string command_line(const std::string& command, const std::vector<std::string>& inputs,
+                         const std::string& output);
+
 /// throws vog::Error unless the output's extension is one of `extensions`, its name is valid, its
-/// folder exists and can be written, and it is none of the inputs
+/// folder exists and can be written, and it is none of the inputs. For an extension that another command writes,
+/// the message states that command line.
 void check_output(const std::string& output, const std::vector<std::string>& inputs,
                   const std::vector<std::string>& extensions);
 

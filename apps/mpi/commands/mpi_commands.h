@@ -9,7 +9,7 @@ namespace vog::mpi {
 
 // `ranks` must outlive `app`.
 void add_convert(CLI::App& app, const Ranks& ranks);
-void add_export(CLI::App& app, const Ranks& ranks);
+void add_page(CLI::App& app, const Ranks& ranks);
 void add_render(CLI::App& app, const Ranks& ranks);
 void add_evaluate(CLI::App& app, const Ranks& ranks);
 

@@ -228,8 +228,8 @@ Manifest read_manifest(const fs::path& folder) {
     const std::string text = read_whole(file, size);
     const Json json = named(file, [&] { return Json::parse(text); });
     if (!json.is_object() || json.value("format", Json()) != kFormat)
-        throw Error(fmt::format(
-            "{}: no manifest of a site (vog export MODEL -o FOLDER/ writes one)", file.string()));
+        throw Error(fmt::format("{}: no manifest of a site (vog page MODEL -o FOLDER/ writes one)",
+                                file.string()));
     return named(file, [&] {
         if (json.at("version") != kVersion)
             throw Error(fmt::format("version {}, expected {}: written by another vog",

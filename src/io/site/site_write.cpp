@@ -47,13 +47,13 @@ void require_own(const fs::path& folder) {
         try {
             read_manifest(folder);
         } catch (const Error& error) {
-            throw Error(fmt::format("{}; expected a new folder, or one that vog export wrote",
-                                    error.what()));
+            throw Error(
+                fmt::format("{}; expected a new folder, or one that vog page wrote", error.what()));
         }
     } else if (fs::exists(folder / "index.html", code)) {
         throw Error(fmt::format(
             "{}: has an index.html and no manifest of a site, expected a new folder, or one that "
-            "vog export wrote",
+            "vog page wrote",
             folder.string()));
     }
 }

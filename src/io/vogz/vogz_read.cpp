@@ -238,7 +238,7 @@ std::string not_streamed(const FileTable& table) {
         why = fmt::format("of {} trees, which have no level in common", starts);
     return why.empty()
                ? why
-               : why + ": expected one of vog export MODEL -o FILE.vogz --hierarchy --deflate";
+               : why + ": expected one of vog pack MODEL -o FILE.vogz --hierarchy --deflate";
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ const renderer = {
   release() {}, releaseLight(field) { field.light = null; }, releaseField: (gpu, place) => gpu.fields.delete(place),
 };
 
-/** Opens a page of `vog export -o FOLDER/`, or of one with --from. */
+/** Opens a page of `vog page -o FOLDER/`, or of one with --from. */
 globalThis.openPage = async (url, fragment, width, height) => {
   const html = await (await fetch(url)).text(), text = /<script[^>]*id="page"[^>]*>([^]*?)<\/script>/.exec(html)[1];
   const page = JSON.parse(text), element = { dataset: {} };

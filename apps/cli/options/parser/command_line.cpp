@@ -57,9 +57,15 @@ const std::vector<std::string>& common_options(const std::string& command) {
         {"render",
          {"--output", "--size", "--view", "--show", "--field", "--tf", "--extinction",
           "--background", "--grid", "--turntable"}},
-        {"export",  // of vog, and of vog-mpi
+        {"page",  // of vog, and of vog-mpi
          {"--output", "--title", "--show", "--field", "--tf", "--light", "--steps", "--budget",
-          "--max-loss", "--as", "--error", "--block", "--carry"}},
+          "--from", "--error", "--block"}},
+        {"pack",
+         {"--output", "--max-loss", "--reference", "--budget", "--no-fields", "--hierarchy",
+          "--deflate", "--json"}},
+        {"export",
+         {"--output", "--as", "--units", "--up", "--tf", "--field", "--extinction", "--budget",
+          "--json"}},
         {"evaluate",
          {"--output", "--grid", "--field", "--size", "--show", "--tf", "--voxels", "--repeat",
           "--resume", "--json"}},

@@ -9,7 +9,7 @@ const firstBytes = 1 << 16, mostHeader = 1 << 25;  // of the first request; of a
 const mostWhole = 64e6;                            // of a file that comes at once
 const mostGap = 8192;                              // between two runs that one request brings: less than a request costs
 
-const wayToWrite = ': vog export MODEL -o FILE.vogz --hierarchy --deflate writes one that pages stream';
+const wayToWrite = ': vog pack MODEL -o FILE.vogz --hierarchy --deflate writes one that pages stream';
 
 /** Bytes of an answer, at most as many: more are not read. */
 async function bodyUpTo(answer, most, tooLong, count) {
@@ -65,7 +65,7 @@ export class RangeFile {
       this.checkSame(answer, undefined);
       const body = await whole(bodyUpTo(
         answer, mostWhole, `the server answers no ranges, and the file is larger than ${mostWhole / 1e6} MB: expected another server, ` +
-        'or a folder of vog export MODEL -o FOLDER/', count), signal);
+        'or a folder of vog page MODEL -o FOLDER/', count), signal);
       [this.here, this.isWhole] = [body, true];
       return body.subarray(begin, end);
     }

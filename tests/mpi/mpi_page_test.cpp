@@ -1,4 +1,4 @@
-// mpi_export_test.cpp: sites by vog-mpi export: the whole model of vog-mpi convert, its views, its mass in every depth.
+// mpi_page_test.cpp: sites by vog-mpi page: the whole model of vog-mpi convert, its views, its mass in every depth.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -37,10 +37,10 @@ std::set<std::string> files_in(const fs::path& folder) {
 
 }  // namespace
 
-class mpi_export : public Mpi {
+class mpi_page : public Mpi {
   protected:
     Json exported(int count, const std::string& arguments) const {
-        return Json::parse(must_mpi(count, "export " + arguments + " --json").out);
+        return Json::parse(must_mpi(count, "page " + arguments + " --json").out);
     }
     /// Expects a site's whole model, its coarsest chunk and its views to be of a model.
     /// least_db  of V at the default pixel error
@@ -92,9 +92,9 @@ class mpi_export : public Mpi {
     }
 };
 
-class mpi_export_ranks : public mpi_export, public testing::WithParamInterface<int> {};
+class mpi_page_ranks : public mpi_page, public testing::WithParamInterface<int> {};
 
-TEST_P(mpi_export_ranks, sites_have_the_models_of_convert) {
+TEST_P(mpi_page_ranks, sites_have_the_models_of_convert) {
     must("sample cloud c.vdb --size 128");
     for (const std::string cut : {"--block 2", "--budget 20000"}) {
         must_mpi(GetParam(), "convert c.vdb -o c.ply " + cut);
@@ -109,15 +109,15 @@ TEST_P(mpi_export_ranks, sites_have_the_models_of_convert) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(ranks, mpi_export_ranks, testing::ValuesIn(rank_counts()),
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_page_ranks, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 
-TEST_F(mpi_export, one_rank_writes_the_bytes_of_one_process) {
+TEST_F(mpi_page, one_rank_writes_the_bytes_of_one_process) {
     must("sample cloud c.vdb --size 128");
     must("convert c.vdb -o c.ply --block 2 --soft-steps 0");
-    must("export c.ply -o one/ --tf jet --show mean --field density");
+    must("page c.ply -o one/ --tf jet --show mean --field density");
     for (const std::string input : {"c.ply", "c.vdb --block 2"}) {
-        must_mpi(1, "export " + input + " -o many/ --tf jet --show mean --field density");
+        must_mpi(1, "page " + input + " -o many/ --tf jet --show mean --field density");
         EXPECT_EQ(files_in(dir_ / "one"), files_in(dir_ / "many")) << input;
         for (const std::string file : {"manifest.json", "index.html"})
             EXPECT_TRUE(read_text(dir_ / "one" / file) == read_text(dir_ / "many" / file))
@@ -126,7 +126,7 @@ TEST_F(mpi_export, one_rank_writes_the_bytes_of_one_process) {
 }
 
 /// Nine ranks join in two rounds.
-TEST_F(mpi_export, parts_join_in_rounds_and_may_be_empty) {
+TEST_F(mpi_page, parts_join_in_rounds_and_may_be_empty) {
     must("sample cloud c.vdb --size 128");
     must_mpi(1, "convert c.vdb -o c.ply --block 1 --no-fields");
     const Json report = exported(9, "c.vdb -o site/ --block 1 --no-fields");
@@ -141,17 +141,17 @@ TEST_F(mpi_export, parts_join_in_rounds_and_may_be_empty) {
     expect_site("few", read_ply(dir_ / "two.ply"), 45);
 }
 
-TEST_F(mpi_export, two_fields_have_one_lattice_on_all_ranks) {
+TEST_F(mpi_page, two_fields_have_one_lattice_on_all_ranks) {
     must("sample cloud c.vdb --size 128");
     must("sample explosion h.vdb --size 128");
     const std::string cut = " --block 2 ";
     must_mpi(3, "convert c.vdb -o c.ply --field heat=h.vdb:density" + cut);
-    must_mpi(3, "export c.vdb -o site/ --carry heat=h.vdb:density --show mean --field heat" + cut);
+    must_mpi(3, "page c.vdb -o site/ --field heat=h.vdb:density --show mean" + cut);
     expect_site("site", read_ply(dir_ / "c.ply"));
     EXPECT_NE(read_text(dir_ / "site/index.html").find("heat"), std::string::npos);
 }
 
-TEST_F(mpi_export, levels_of_a_mesh_and_steps_become_sites) {
+TEST_F(mpi_page, levels_of_a_mesh_and_steps_become_sites) {
     must("sample amr a.vdb --size 64");
     must_mpi(3, "convert a.vdb --grid 'density_L*' -o a.ply --block 2");
     const Json report = exported(3, "a.vdb --grid 'density_L*' -o mesh/ --block 2");
@@ -160,29 +160,29 @@ TEST_F(mpi_export, levels_of_a_mesh_and_steps_become_sites) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o step_1.ply --budget 300");
     must("convert c.vdb -o step_2.ply --block 2");
-    must_mpi(2, "export 'step_*.ply' -o steps/");
+    must_mpi(2, "page 'step_*.ply' -o steps/");
     const Json steps = Json::parse(must("info steps --json").out)["files"][0]["site"];
     EXPECT_EQ(steps["steps"], true);
     ASSERT_EQ(steps["models"].size(), 2u);
     EXPECT_EQ(steps["models"][1]["gaussians"], read_ply(dir_ / "step_2.ply").size());
-    must_mpi(2, "export step_1.ply step_2.ply -o two/ --site --name A --name B --no-fields");
+    must_mpi(2, "page step_1.ply step_2.ply -o two/ --site --name A --name B --no-fields");
     const Json two = Json::parse(must("info two --json").out)["files"][0]["site"];
     EXPECT_EQ(two["steps"], false);
     EXPECT_EQ(two["models"][1]["name"], "B");
     EXPECT_TRUE(read_site(dir_ / "two", 1).fields.empty());
     // A site of several.
-    must_mpi(2, "export two/ -o copy/");
+    must_mpi(2, "page two/ -o copy/");
     EXPECT_EQ(Json::parse(must("info copy --json").out)["files"][0]["site"]["models"][1]["name"],
               "B");
-    must_fail_mpi(1, "-n 2 COMMAND export two/ -o two/", "is an input and would be overwritten");
+    must_fail_mpi(1, "-n 2 COMMAND page two/ -o two/", "is an input and would be overwritten");
     // A model in several files.
     must_mpi(2, "convert c.vdb -o split.ply --block 2 --split");
     must_mpi(2, "convert c.vdb -o whole.ply --block 2");
-    must_mpi(3, "export split.json -o split/");
+    must_mpi(3, "page split.json -o split/");
     expect_site("split", read_ply(dir_ / "whole.ply"));
 }
 
-TEST_F(mpi_export, an_export_again_keeps_chunks_and_removes_old_ones) {
+TEST_F(mpi_page, an_export_again_keeps_chunks_and_removes_old_ones) {
     must("sample cloud c.vdb --size 128");
     const Json first = exported(3, "c.vdb -o site/ --block 2");
     const std::string manifest = read_text(dir_ / "site/manifest.json");
@@ -208,18 +208,18 @@ TEST_F(mpi_export, an_export_again_keeps_chunks_and_removes_old_ones) {
     must("render site -o after.png --size 16");
 }
 
-TEST_F(mpi_export, a_rank_that_fails_leaves_the_earlier_site) {
+TEST_F(mpi_page, a_rank_that_fails_leaves_the_earlier_site) {
     must("sample cloud c.vdb --size 128");
-    must_mpi(2, "export c.vdb -o site/ --block 4");
+    must_mpi(2, "page c.vdb -o site/ --block 4");
     const std::string manifest = read_text(dir_ / "site/manifest.json");
     write("small.sh", "#!/bin/sh\nulimit -f 100\nexec \"$@\"\n");
-    const std::string work = "COMMAND export c.vdb -o site/ --block 1";
+    const std::string work = "COMMAND page c.vdb -o site/ --block 1";
     must_fail_mpi(1, "-n 2 " + work + " : -n 1 sh small.sh " + work, "cannot write");
     EXPECT_EQ(read_text(dir_ / "site/manifest.json"), manifest);
     for (const std::string& file : files_in(dir_ / "site"))
         EXPECT_FALSE(fs::path(file).filename().string().starts_with('.')) << file;
     must("render site -o after.png --size 32");
-    // Chunks of the failed export that are of no use go with the next one.
+    // Chunks of the failed run that are of no use go with the next one.
     EXPECT_GT(exported(2, "c.vdb -o site/ --block 4")["removed"], 0);
     // A name under which one rank has another folder.
     fs::create_directories(dir_ / "other");
@@ -231,27 +231,28 @@ TEST_F(mpi_export, a_rank_that_fails_leaves_the_earlier_site) {
     EXPECT_EQ(read_text(dir_ / "site/manifest.json"), manifest);
 }
 
-TEST_F(mpi_export, requests_without_sense_are_refused) {
+TEST_F(mpi_page, requests_without_sense_are_refused) {
     must("sample cloud c.vdb --size 64");
     must("sample particles p.xyz --size 8");
     must("convert c.vdb -o c.ply --budget 100");
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o c.html", "-o c.html: expected a folder");
-    must_fail_mpi(1, "-n 2 COMMAND export p.xyz -o site/", "p.xyz: particles, expected volumes");
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --budget 10",
+    must_fail_mpi(2, "-n 2 COMMAND page c.ply -o c.html", "-o c.html: vog-mpi page writes sites");
+    must_fail_mpi(1, "-n 2 COMMAND page p.xyz -o site/", "p.xyz: particles, expected volumes");
+    must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --budget 10",
                   "--budget has no effect with models");
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --carry heat", "--carry");
-    must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --block 2 --budget 9", "exclude");
-    must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --refine 1", "--refine");
-    must_fail_mpi(2, "-n 2 COMMAND export c.vdb", "-o is missing: vog-mpi export c.vdb -o c/");
-    EXPECT_NE(must_mpi(1, "export --help").out.find("--carry"), std::string::npos);
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --set levels=3", "--set levels");
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --scale log", "--scale");
-    must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --name A --name B", "--name");
-    must_fail_mpi(1, "-n 2 COMMAND export c.ply -o site/ --show mean --field heat", "heat");
+    must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --field heat --field cold", "--field");
+    must_fail_mpi(2, "-n 2 COMMAND page c.vdb -o site/ --block 2 --budget 9", "exclude");
+    must_fail_mpi(2, "-n 2 COMMAND page c.vdb -o site/ --refine 1", "--refine");
+    must_fail_mpi(2, "-n 2 COMMAND page c.vdb", "-o is missing: vog-mpi page c.vdb -o c/");
+    must_fail_mpi(2, "-n 2 COMMAND page c.vdb -o site/ --carry heat",
+                  "no option --carry, it is --field");
+    must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --set levels=3", "--set levels");
+    must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --scale log", "--scale");
+    must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --name A --name B", "--name");
+    must_fail_mpi(1, "-n 2 COMMAND page c.ply -o site/ --show mean --field heat", "heat");
     EXPECT_FALSE(fs::exists(dir_ / "site"));
     fs::create_directories(dir_ / "mine");
     write("mine/index.html", "mine");
-    must_fail_mpi(1, "-n 2 COMMAND export c.ply -o mine/", "mine");
+    must_fail_mpi(1, "-n 2 COMMAND page c.ply -o mine/", "mine");
     EXPECT_EQ(read_text(dir_ / "mine/index.html"), "mine");
     EXPECT_EQ(files_in(dir_ / "mine").size(), 1u);
 }

@@ -1,4 +1,4 @@
-// export.cpp: vog-mpi export: sites, whose chunks each rank writes of its part of the model.
+// page.cpp: vog-mpi page: sites, whose chunks each rank writes of its part of the model.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "models/page_options.h"
 #include "models/site_run.h"
 #include "options/conversion_options.h"
+#include "options/field_options.h"
 #include "options/memory_options.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
@@ -25,24 +26,23 @@ namespace vog::mpi {
 namespace {
 
 using cli::FileKind;
-using cli::SiteInput;
+using cli::InputModel;
 
 struct SiteArguments {
     cli::ConvertArguments convert;  ///< inputs, output and the conversion of volumes
     cli::PageArguments page;
-    cli::CompactArguments compact;
+    cli::RoundingArguments rounding;
     bool site = false;  ///< --site
 };
 
 /// throws cli::UsageError and vog::Error for options and inputs that make no site
-FileKind check(const SiteArguments& arguments, const cli::GivenOptions& command) {
+void check(const SiteArguments& arguments, const cli::GivenOptions& command, FileKind kind) {
     const cli::ConvertArguments& given = arguments.convert;
     if (!cli::is_sequence(given.output))
         throw cli::UsageError(
-            fmt::format("-o {}: expected a folder, a name that ends in /, for a site (vog export "
-                        "writes pages and files)",
+            fmt::format("-o {}: vog-mpi page writes sites, to a folder (-o site/); vog page writes "
+                        "single pages",
                         given.output));
-    const FileKind kind = cli::common_kind(given.inputs, given.volume.grid);
     if (kind == FileKind::points)
         throw Error(
             fmt::format("{}: particles, expected volumes or models (vog-mpi convert makes "
@@ -55,6 +55,22 @@ FileKind check(const SiteArguments& arguments, const cli::GivenOptions& command)
     cli::check_names(arguments.page, kind == FileKind::model ? given.inputs.size() : 1);
     cli::check_page_options(arguments.page, command);
     cli::refuse_own_folder(given.inputs, given.output);
+}
+
+/// Has the page show the first field of --field, which of volumes states where its values come from.
+/// returns  kind of the inputs
+/// throws   cli::UsageError for several fields of models
+FileKind take_field(SiteArguments& arguments) {
+    cli::ConvertArguments& convert = arguments.convert;
+    const FileKind kind = cli::common_kind(convert.inputs, convert.volume.grid);
+    if (convert.fields.empty()) return kind;
+    std::string shown = convert.fields.front();
+    if (kind == FileKind::volume) {
+        shown = cli::parse_field(shown).name;
+    } else if (convert.fields.size() > 1) {
+        throw cli::UsageError("--field: a page of models shows one field first");
+    }
+    if (!shown.empty()) arguments.page.words.given["field"] = {shown};
     return kind;
 }
 
@@ -81,14 +97,14 @@ void describe(Gaussians& part, const Gaussians& whole) {
 }
 
 /// This rank's part of the volumes' model.
-SiteInput convert_input(const SiteArguments& arguments, cli::Stages& stages, const Ranks& ranks,
-                        std::vector<std::string>& notes) {
+InputModel convert_input(const SiteArguments& arguments, cli::Stages& stages, const Ranks& ranks,
+                         std::vector<std::string>& notes) {
     cli::VolumeConversion conversion;
     conversion.moments = cli::moment_options(arguments.convert);
     conversion.moments.progress = stages.progress();
     ConvertedVolumes volumes = convert_parts(arguments.convert, conversion, stages, ranks);
     notes = volumes.notes;
-    SiteInput input;
+    InputModel input;
     for (Gaussians& one : volumes.model.inputs)
         if (one.size() > 0) append(input.model, std::exchange(one, {}));
     describe(input.model, volumes.model.description);
@@ -100,10 +116,10 @@ SiteInput convert_input(const SiteArguments& arguments, cli::Stages& stages, con
 }
 
 /// This rank's part of a model, of which every file is divided among all ranks.
-SiteInput read_input(const std::string& model, const ValueRules& rules, const Ranks& ranks) {
+InputModel read_input(const std::string& model, const ValueRules& rules, const Ranks& ranks) {
     const std::vector<std::string> files = cli::model_files({model});
     const SameFiles same(files, ranks);
-    SiteInput input;
+    InputModel input;
     ValueNotes notes;
     for (const std::string& file : files) {
         if (ranks.count() == 1 && files.size() == 1)
@@ -117,15 +133,16 @@ SiteInput read_input(const std::string& model, const ValueRules& rules, const Ra
     return input;
 }
 
-void export_site(const SiteArguments& given, const cli::GivenOptions& command, const Ranks& ranks) {
+void write_page(const SiteArguments& given, const cli::GivenOptions& command, const Ranks& ranks) {
     SiteArguments arguments = given;
     cli::ConvertArguments& convert = arguments.convert;
     convert.inputs = cli::expanded(given.convert.inputs);
     const std::vector<std::string> copied = cli::models_of_one_site(convert.inputs);
     if (!copied.empty()) convert.inputs = copied;
     convert.volume.ones = convert.measure == "volume";
-    const FileKind kind = check(arguments, command);
-    // As of vog export: models that one pattern matches are steps in time, and those of a site that has steps.
+    const FileKind kind = take_field(arguments);
+    check(arguments, command, kind);
+    // As in vog page: models that one pattern matches are steps in time, and those of a site that has steps.
     if (kind == FileKind::model && !command.has("--steps"))
         arguments.page.steps = !copied.empty()
                                    ? read_site_info(given.convert.inputs.front()).steps
@@ -135,7 +152,7 @@ void export_site(const SiteArguments& given, const cli::GivenOptions& command, c
     cli::Stages stages(convert.verbose && ranks.first());
     std::vector<std::string> notes;
     const auto read = [&](std::size_t n) {
-        SiteInput input =
+        InputModel input =
             kind == FileKind::volume
                 ? convert_input(arguments, stages, ranks, notes)
                 : stages.run("load", [&] {
@@ -147,7 +164,7 @@ void export_site(const SiteArguments& given, const cli::GivenOptions& command, c
         return input;
     };
     const cli::WrittenSite site = cli::write_site(
-        convert.output, cli::site_precision(arguments.compact, arguments.page.precise),
+        convert.output, cli::site_precision(arguments.rounding, arguments.page.precise),
         kind == FileKind::model ? convert.inputs.size() : 1, read,
         [&](const HtmlModel& first) {
             return cli::page_options(arguments.page, command, first, convert.inputs.front(), notes);
@@ -159,10 +176,6 @@ void export_site(const SiteArguments& given, const cli::GivenOptions& command, c
 }
 
 void add_volume_conversion(CLI::App& command, cli::ConvertArguments& convert) {
-    command.add_option(
-        "--carry", convert.fields,
-        "Field that Gaussians of volumes carry beside density, as --field of vog-mpi "
-        "convert: GRID of the same file, FILE:GRID, or NAME=FILE:GRID. Repeatable");
     command
         .add_option("--lod", convert.lod,
                     "Level of detail, 1 (finest) to 5 (coarsest): uniform cells with edges of 2, "
@@ -180,12 +193,12 @@ void add_volume_conversion(CLI::App& command, cli::ConvertArguments& convert) {
 
 }  // namespace
 
-void add_export(CLI::App& app, const Ranks& ranks) {
+void add_page(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<SiteArguments>();
     cli::ConvertArguments& convert = arguments->convert;
     convert.threads = ranks.threads_per_rank();
     CLI::App* command = app.add_subcommand(
-        "export", "Write a site that streams large models to browsers, each rank its chunks");
+        "page", "Write a site that streams large models to browsers; each rank writes its chunks");
     command
         ->add_option(
             "inputs", convert.inputs,
@@ -199,24 +212,22 @@ void add_export(CLI::App& app, const Ranks& ranks) {
                      "Folder of the site (a name that ends in /), which all ranks share")
         ->required();
     command->add_flag("--site", arguments->site,
-                      "As of vog export; here several models always are one site");
-    command->add_flag("--no-fields", convert.no_fields,
-                      "Leave fields out: a smaller site, without values");
+                      "Accepted as in vog page; here several models are always one site");
+    cli::add_no_fields_option(*command, convert.no_fields);
     add_volume_conversion(*command, convert);
     cli::add_page_options(*command, arguments->page);
+    command->remove_option(command->get_option("--field"));
     command
-        ->add_option(cli::setting("rounding"), arguments->compact.step,
-                     "Step of masses, shapes and (in standard deviations) means relative to "
-                     "themselves; default 0.025")
-        ->check(CLI::Range(1e-6, 0.5));
-    command
-        ->add_option(cli::setting("field-rounding"), arguments->compact.field_step,
-                     "Step of field values relative to the range of the data; default 1/256")
-        ->check(CLI::Range(1e-6, 0.5));
+        ->add_option("--field", convert.fields,
+                     "Field to show first. Volumes: field that Gaussians carry beside density, as "
+                     "for vog-mpi convert: GRID of the same file, FILE:GRID, or NAME=FILE:GRID. "
+                     "Repeatable; the first one is shown")
+        ->group(cli::kPageGroup);
+    cli::add_rounding_options(*command, arguments->rounding);
     cli::add_view_options(*command, arguments->page.view);
     cli::add_run_options(*command, convert.threads, convert.json, convert.verbose);
     command->callback([arguments, command, &ranks] {
-        export_site(*arguments, cli::GivenOptions(*command), ranks);
+        write_page(*arguments, cli::GivenOptions(*command), ranks);
     });
 }
 
