@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Contrast of all texts of the page that `vog export` writes, by WCAG 2.2 AA, in Chromium: 4.5 between text and ground, 3 for
+"""Contrast of all texts of the page that `vog page` writes, by WCAG 2.2 AA, in Chromium: 4.5 between text and ground, 3 for
 large text, on dark and light pages. Computed colours, blended over every ground up to the page's own.
 
 VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as skipped,

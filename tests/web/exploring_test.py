@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exploring a model by hand in the page that `vog export` writes, in Chromium: fields that come first, the editor's axis and
+"""Exploring a model by hand in the page that `vog page` writes, in Chromium: fields that come first, the editor's axis and
 bands, the probe in volumes, handles of the clip box, decoding in a worker.
 
 VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as skipped,

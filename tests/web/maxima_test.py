@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Maxima along rays in the page that `vog export` writes, in Chromium, against the command's.
+"""Maxima along rays in the page that `vog page` writes, in Chromium, against the command's.
 
 VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as skipped,
 where there is no Chromium.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fields, volume rendering and time in the page that `vog export` writes, in Chromium: every quantity's picture
+"""Fields, volume rendering and time in the page that `vog page` writes, in Chromium: every quantity's picture
 against the command's, edits of transfer functions, clips, the play bar.
 
 VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as skipped,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page that `vog export` writes, opened from a file in Chromium: its pictures against the CPU's,
+"""The page that `vog page` writes, opened from a file in Chromium: its pictures against the CPU's,
 mouse, touch, keys and controls, what happens where something is missing.
 
 VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as
