@@ -12,6 +12,7 @@
 #include "vog/exposure.h"
 #include "vog/image.h"
 #include "vog/lod.h"
+#include "vog/model_io.h"
 #include "vog/ply.h"
 
 namespace vog::test {
