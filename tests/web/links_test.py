@@ -56,6 +56,29 @@ class Links(NodeTest):
         self.assertEqual(list(state["transfers"]), ["1"])
         self.assertEqual(state["transfers"]["1"]["unit"], 2)
 
+    def test_sums_depend_on_what_is_drawn_and_on_nothing_after(self):
+        self.state("#show=volume&light=head")
+
+        def changed(*changes):
+            """Whether other members of the state, or another key of parts, size or number of slabs, have other sums: of the view, of the quantity."""
+            return self.value(f"""[{", ".join(changes)}].map((change) => {{
+                const key = ({{ parts, size, slabs, ...part }}) => sumsOf({{ ...state, ...part }}, parts ?? 1, size ?? [2, 3], slabs ?? 32);
+                const [a, b] = [key({{}}), key(change)];
+                return [!isSame(a.view, b.view), a.of !== b.of];
+            }})""")
+
+        views = ("{camera: {...state.camera}}", "{model: 1}", "{clip: {lower: [0, 0, 0], upper: [1, 1, 1]}}", "{planes: []}", "{size: [2, 4]}")
+        self.assertEqual(changed(*views), [[True, False]] * len(views))
+        others = ("{field: 0}", "{show: 'mean'}", "{show: 'maximum'}", "{show: 'T'}", "{part: 'x'}", "{light: {...state.light, on: false}}", "{parts: 2}", "{slabs: 64}")
+        self.assertEqual(changed(*others), [[False, True]] * len(others))
+        after = ("{transfers: {}}", "{light: {...state.light, towards: [1, 2, 3]}}", "{map: 'gray'}", "{exposure: 2}", "{scale: {low: 0, high: 1, log: true}}", "{fade: true}",
+                 "{reverse: true}", "{logAxis: true}", "{panel: false}")
+        self.assertEqual(changed(*after), [[False, False]] * len(after))
+        # T and column, mean and deviation share theirs.
+        pairs = [["T", "column"], ["mean", "deviation"], ["mean", "maximum"], ["T", "mean"]]
+        same = self.value(f"{json.dumps(pairs)}.map((pair) => new Set(pair.map((show) => sumsOf({{ ...state, show }}, 1, [2, 3], 32).of)).size === 1)")
+        self.assertEqual(same, [True, True, False, False])
+
     def test_nonsense_changes_nothing_and_is_named(self):
         expected = self.state("#subframes=1")
         self.assertEqual(self.state(NONSENSE), expected)

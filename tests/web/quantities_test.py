@@ -243,6 +243,13 @@ class Quantities(QuantityTest):
         self.value("vog.settled()")
         self.assertGreater(self.value("picture.width * picture.height"), 1 << 20)
         self.volume(RAMP, "--slabs", 8)
+        # During edits there are fewer pixels, since sums of all have no room; then all again.
+        for opacity in (0.3, 0.6, 0.9):
+            self.value("vog.change({transfers: {0: %s}})" % json.dumps({**STEP, "opacity": [[0.5, 0], [0.6, opacity]]}))
+        edited = self.bytes()
+        self.value("vog.change({camera: {...vog.state.camera}})")
+        self.assertEqual(self.bytes(), edited)
+        self.volume(STEP, "--slabs", 8)
 
     def test_a_page_begins_as_its_command_says(self):
         vog("page", "model.ply", "-o", "first.html", "--set", "levels=1", "--show", "volume", "--tf", self.write_transfer(RAMP))
@@ -484,6 +491,11 @@ class Quantities(QuantityTest):
             picture.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
             picture.addEventListener('webglcontextrestored', () => setTimeout(done));
             loser.loseContext(); })""")
+        self.assertEqual(self.bytes(), before)
+        self.change(transfers={"0": STEP})
+        edited = self.bytes()
+        self.assertNotEqual(edited, before)
+        self.change(transfers={"0": RAMP})
         self.assertEqual(self.bytes(), before)
 
     def test_a_model_without_fields_offers_none(self):

@@ -183,6 +183,16 @@ class Quantities(SiteTest):
         self.value("vog.page.slabs = [8, 16]")
         self.change({"show": "volume", "field": 0, "part": "", "transfers": {"0": transfer}})
         self.expect_page_is("--show", "volume", "--field", "temperature", "--tf", "tf.json", "--slabs", 8)
+        # What another transfer function hides is planned when the edits rest.
+        turns = self.value("""(() => {
+            const { turn } = vog.source, edited = { ...vog.state.transfers[0], unit: 2 };
+            vog.change({ transfers: { 0: edited } });
+            vog.source.now(false);
+            return [turn, vog.source.turn];
+        })()""")
+        self.assertEqual(turns[0], turns[1])
+        self.browser.settle()
+        self.assertGreater(self.value("vog.source.turn"), turns[1])
         self.change({"show": "maximum", "scale": {"low": 270, "high": 330, "log": False}, "map": "viridis"})
         self.expect_page_is("--show", "maximum", "--field", "temperature", "--slabs", 16, "--tf", "viridis", "--range", "270,330")
 

@@ -1,5 +1,5 @@
 // main.js: state of the page, scheduling of frames, commands.
-import { mul, normalized, sub } from './vectors.js';
+import { isSame, mul, normalized, sub } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
 import { Decoder } from './model/decoder.js';
@@ -11,7 +11,7 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, comparable, fieldKey, fieldPlace, inSlabs, quantityNumber } from './quantity.js';
+import { automaticScale, automaticTransfer, comparable, fieldPlace, inSlabs, quantityNumber, sumsOf } from './quantity.js';
 import { changedState, firstState, partOfLink, readLink, writeLink } from './link/link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
@@ -52,16 +52,18 @@ function transferNow() {
   return automatic[1];
 }
 
-// --- Drawing. Changes of camera, model, level, size, field or clip render sums anew; all others only shade. ---
+// --- Drawing. What sumsOf lists draws the model anew; all else only finishes the sums. ---
 
-const restMs = 200;       // time without motion after which the camera counts as at rest
+const restMs = 200;       // time without motion or edits after which the picture counts as at rest
+const slowMs = 50;        // frames that take longer have fewer pixels during edits, where not all their sums have room
 const patienceMs = 100;   // no further sub-frames after one that took longer
 
 let renderer = null, slabs = null, half = false, lost = false;
-let drawn = null;              // what the current sums are of
+let drawn = null;              // sumsOf the current sums
 let count = 0;                 // Gaussians of the last frame
 let loads = 0;
-let moving = 0;                // timer of the motion
+let moving = 0, editing = 0;   // timers of motion and of edits of what comes after the sums
+let edited = false, coarse = false;  // whether there were edits; whether this one has fewer pixels
 let frame = 0, inFlight = false, frameMs = 0;
 let stale = false;             // something changed while a frame was in flight
 let waiting = [];              // callbacks that wait for a settled picture
@@ -74,7 +76,7 @@ const decoder = new Decoder(find('reader').textContent + find('worker').textCont
 /** The models: what there is of them to draw. Pages without a site have no modules of stream/. */
 const source = new (page.site ? Site : Levels)(page, decoder, {
   state: () => state, renderer: () => (lost ? null : renderer), size: () => [canvas.width, canvas.height],
-  clip: clipNow, transfer: transferNow, changed: redraw,
+  clip: clipNow, transfer: transferNow, editing: () => editing, changed: redraw,
   say, fail: (text) => giveUp(`${text}.`), show: (status) => { showStream(status); controls.showDetail(source.detail()); },
   refuse: (line) => {
     change({ show: 'T' });
@@ -85,14 +87,19 @@ const busy = () => Boolean(moving || player?.playing);
 
 const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, isMeasure });
 
+const slabsNow = () => page.slabs[state.show !== 'volume' ? 1 : state.light.on ? 2 : 0];
+/** What pictures are finished with after their slabs are drawn. */
+const finishNow = () => (state.show === 'volume' ? [transferNow(), state.light] : []);
+/** Which sums there are, and what may be edited after them: the exposure of streamed models decides what is hidden. */
+const editsNow = () => [[state.show, state.field, state.model].join(' '), page.site && state.show === 'T' && state.exposure, ...finishNow()];
+
 /** Adds one sub-frame of the shown quantity. */
-function addSums(parts) {
-  const transfer = transferNow();
+function addSums(parts, of) {
   const model = page.models[state.model], field = fieldPlace(state), { camera } = state, clip = clipNow();
   if (inSlabs(state.show)) {
     slabs ??= new Slabs(renderer);
     slabs.add(parts, model, camera, {
-      field, transfer, light: state.light, clip, slabs: page.slabs[!transfer ? 1 : state.light.on ? 2 : 0],
+      field, transfer: transferNow(), light: state.light, clip, slabs: slabsNow(), of, keep: state.panel || edited,
       source: rangeOf(model.fields[field]),
     });
   } else {
@@ -114,15 +121,18 @@ function draw() {
 }
 
 function drawNow() {
-  const { width, height } = canvas;
   const there = source.now(busy());
-  renderer.resize(width, height);
+  const kept = coarse && state.show === 'volume' && slabs?.shareKept({ light: state.light, slabs: slabsNow() }, canvas.width * canvas.height);
+  const size = [canvas.width, canvas.height].map((n) => Math.max(1, Math.floor(Math.sqrt(kept || 1) * n))), now = sumsOf(state, there.key, size, slabsNow());
   count = there.count;
-  const now = [state.camera, state.model, there.key, width, height, fieldKey(state), inSlabs(state.show) && state.show, state.clip, state.planes,
-    state.show === 'volume' && transferNow(), state.show === 'volume' && state.light];
-  if (!drawn || now.some((part, n) => part !== drawn[n])) renderer.restart();
+  renderer.choose(now.of, finishNow());
+  renderer.resize(...size);
+  if (!drawn || !isSame(now.view, drawn.view)) {
+    renderer.restart();
+    slabs?.restart(state.show === 'volume');
+  }
   drawn = now;
-  if (renderer.subframes === 0 || wantsMore()) addSums(there.parts);
+  if (renderer.subframes === 0 || wantsMore()) addSums(there.parts, now.of);
   shade();
   if (inFlight) stale = true;
   else time();
@@ -138,7 +148,7 @@ function shade() {
 }
 
 /** Whether to add a sub-frame. The first frame's time is ignored: it may include shader compilation. */
-const wantsMore = () => !busy() && renderer.subframes < state.subframes &&
+const wantsMore = () => !busy() && !editing && renderer.subframes < state.subframes &&
     (renderer.subframes < 2 || frameMs < patienceMs);
 
 /** Waits until the GPU has finished the frame, measures its time, then allows the next. */
@@ -165,7 +175,7 @@ function afterFrame() {
     stale = false;
     return request();
   }
-  if (moving || !source.complete) return;
+  if (moving || editing || !source.complete) return;
   document.documentElement.dataset.drawn = count;
   for (const resolve of waiting.splice(0)) resolve();
 }
@@ -207,16 +217,29 @@ async function load() {
 
 /** Changes part of the state; the only place that does. */
 function change(part) {
-  const before = { ...state };
+  const before = { ...state }, edits = editsNow();
   Object.assign(state, changedState(page, before, part));
   if (['map', 'reverse', 'fade', 'show'].some((key) => state[key] !== before[key])) setMap();
   if ((state.map !== before.map || state.reverse !== before.reverse) && !part.transfers) recolor();
   if (renderer && (state.model !== before.model || state.field !== before.field || state.show !== before.show)) {
     load().catch((error) => giveUp(`The page cannot be read: ${error.message}.`));
   }
+  if (drawn && editsNow()[0] === edits[0] && !isSame(editsNow(), edits)) edit();
   showControls();
   outer?.tell();
   redraw();
+}
+
+/** Finishes the sums that are there, until the edits rest. */
+function edit() {
+  coarse ||= frameMs > slowMs;
+  edited = true;
+  clearTimeout(editing);
+  editing = setTimeout(() => {
+    editing = 0;
+    coarse = false;
+    redraw();
+  }, restMs);
 }
 
 const overlay = new Overlay(find('length'), find('axes'));
@@ -346,7 +369,8 @@ function picture() {
   return canvas.toDataURL('image/png');
 }
 
-function save() {
+async function save() {
+  if (editing) await window.vog.settled();
   const name = page.title.replace(/[^\p{L}\p{N}]+/gu, '-').replace(/^-|-$/g, '') || 'vog';
   const link = Object.assign(document.createElement('a'), { href: picture(), download: `${name}.png` });
   link.click();
@@ -470,7 +494,7 @@ window.vog = {
   state, change, move, page, source, link: linkNow,
   settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
   picture: async () => { await window.vog.settled(); return picture(); },
-  bits: () => renderer?.format.bits, decodes: () => decoder.done,
+  bits: () => renderer?.format.bits, decodes: () => decoder.done, draws: () => renderer.draws,
   ray: (pixel) => rayOf(state.camera, pixel, canvas.width, canvas.height),
 };
 

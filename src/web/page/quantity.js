@@ -51,6 +51,16 @@ export const fieldKey = ({ show, field, part }) => (ofField(show) ? `${field}.${
 /** Place of the shown field among the model's; null: none. */
 export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
 
+/**
+ * What the sums of a picture depend on, all of it: {view: list of what all quantities share, of: name of these sums among those of the view}.
+ * Exposure, ranges, colours, transfer functions, unit distances, the light's direction and weights come after them.
+ * parts  key of source.now(); size: pixels; slabs: their number
+ */
+export function sumsOf(state, parts, size, slabs) {
+  const { camera, model, clip, planes, show, light } = state, of = inSlabs(show) ? [show, slabs, show === 'volume' && light.on] : [];
+  return { view: [camera, model, ...size, clip, planes], of: [parts, fieldKey(state), ...of].join(' ') };
+}
+
 const logDecades = 4;  // as `vog render --scale log`
 
 /**

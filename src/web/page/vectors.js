@@ -16,3 +16,6 @@ export function turned(v, axis, angle) {
   const c = Math.cos(angle), s = Math.sin(angle);
   return add(add(mul(c, v), mul(s, cross(axis, v))), mul((1 - c) * dot(axis, v), axis));
 }
+
+/** Whether two lists have the same members. */
+export const isSame = (a, b) => a.length === b.length && a.every((one, n) => one === b[n]);

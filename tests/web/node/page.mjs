@@ -59,7 +59,7 @@ globalThis.openPage = async (url, fragment, width, height) => {
   const redraw = () => { drawing ||= setTimeout(draw); };
   const source = new Site(page, new Decoder(''), {
     state: () => state, renderer: () => renderer, size: () => [picture.width, picture.height],
-    clip: () => ({ box: state.clip, planes: state.planes }), transfer: () => state.transfers[state.field], changed: redraw,
+    clip: () => ({ box: state.clip, planes: state.planes }), transfer: () => state.transfers[state.field], editing: () => 0, changed: redraw,
     say, fail: (line) => giveUp(`${line}.`), show: showStream,
     refuse: (line) => {
       change({ show: 'T' });

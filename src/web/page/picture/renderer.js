@@ -1,6 +1,6 @@
 // renderer.js: WebGL2 renderer with the desktop window's shaders: quads of the Gaussians, whose fragments add their
 // line integrals to sums (T, or the sums of a field), or to depth slabs (slabs.js); then the colour of the sums.
-import { sub, mul, dot } from '../vectors.js';
+import { isSame, sub, mul, dot } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats, vectorFloats } from '../model/fields.js';
@@ -10,6 +10,7 @@ import { planesOf } from './clip.js';
 // Replaces OpenGL 3.3's header, "#version 330 core".
 const header = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
 const transferSize = 4096;
+const mostKept = 4;  // pictures of sums of one view
 
 function compiled(gl, kind, name, source) {
   const shader = gl.createShader(kind);
@@ -81,12 +82,13 @@ export class Renderer {
     this.screen = this.program('screen.vert', ['shade.frag']);
     this.nothing = gl.createVertexArray();
     this.transfer = this.texture();
-    this.sums = this.texture();
     this.framebuffer = gl.createFramebuffer();
+    this.draws = 0;         // of parts, all passes
+    this.kept = new Map();  // of the current view, the last used last: sums by name, {texture, channels, subframes, finish}
     this.width = this.height = 0;
-    this.channels = 1;
-    this.subframes = 0;
+    this.choose('');
     this.resize(1, 1);
+    this.wantChannels(1);
   }
 
   /** Linked shaders, compiled when first asked for. */
@@ -235,22 +237,41 @@ export class Renderer {
   resize(width, height) {
     if (width === this.width && height === this.height) return;
     [this.width, this.height] = [width, height];
-    this.channels = 0;
-    this.wantChannels(1);
+    this.restart();
+    this.sums.channels = 0;
   }
+
+  /**
+   * Makes sums the current ones: those kept under a name, else empty ones.
+   * finish  list of what they were made with after drawing: with others they are made anew
+   */
+  choose(name, finish = []) {
+    const isKept = this.kept.has(name), from = isKept || this.kept.size < mostKept ? name : this.kept.keys().next().value;
+    this.sums = this.kept.get(from) ?? { texture: this.texture(), channels: 0 };
+    if (!isKept || !isSame(finish, this.sums.finish)) Object.assign(this.sums, { subframes: 0, finish });
+    this.kept.delete(from);
+    this.kept.set(name, this.sums);
+  }
+
+  /** Sub-frames in the current sums. */
+  get subframes() { return this.sums.subframes; }
 
   /** Sums of 1 channel (T) or 4. */
   wantChannels(channels) {
-    if (this.channels === channels) return;
-    this.channels = channels;
-    this.allocate(this.sums, channels, this.width, this.height);
-    this.target(this.framebuffer, [this.sums]);
+    if (this.sums.channels === channels) return;
+    Object.assign(this.sums, { channels, subframes: 0 });
+    this.allocate(this.sums.texture, channels, this.width, this.height);
+    this.intoSums();
     this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, null);
-    this.subframes = 0;
   }
 
-  /** Discards the sum of sub-frames. */
-  restart() { this.subframes = 0; }
+  intoSums() { this.target(this.framebuffer, [this.sums.texture]); }
+
+  /** Discards all sums: another view. */
+  restart() {
+    for (const [name, sums] of this.kept) if (sums !== this.sums && this.kept.delete(name)) this.gl.deleteTexture(sums.texture);
+    this.sums.subframes = 0;
+  }
 
   /** Sets a camera's uniforms of splat.vert and the fragments that follow it. */
   setView(used, model, camera, clip) {
@@ -284,6 +305,7 @@ export class Renderer {
   /** Adds Gaussians to the bound framebuffer. */
   draw(array, count, equation = this.gl.FUNC_ADD) {
     const gl = this.gl;
+    ++this.draws;
     gl.enable(gl.BLEND);
     gl.blendEquation(equation);
     gl.blendFunc(gl.ONE, gl.ONE);
@@ -301,7 +323,7 @@ export class Renderer {
   addSums(parts, model, camera, what) {
     const gl = this.gl, exact = what.field !== null || planesOf(what.clip).length > 0;
     this.wantChannels(exact ? 4 : 1);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    this.intoSums();
     gl.viewport(0, 0, this.width, this.height);
     if (this.subframes === 0) {
       gl.clearColor(0, 0, 0, 0);
@@ -319,7 +341,7 @@ export class Renderer {
       for (const one of parts) this.draw(this.instancesOf(one, what.field, what.part), one.count);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    ++this.subframes;
+    ++this.sums.subframes;
   }
 
   setMap(map) {
@@ -334,10 +356,10 @@ export class Renderer {
    * look  {quantity, factor, scale: {low, high, log}, unit: [reference, unit], leastColumn, fade, background}
    */
   shade(look) {
-    const gl = this.gl, { width, height, screen } = this;
-    gl.viewport(0, 0, width, height);
+    const gl = this.gl, { width, height, screen } = this, { drawingBufferWidth: across, drawingBufferHeight: down } = gl;
+    gl.viewport(0, 0, across, down);
     screen.use();
-    this.sample(screen, { depth_a: this.sums, depth_b: this.sums, transfer: this.transfer });
+    this.sample(screen, { depth_a: this.sums.texture, depth_b: this.sums.texture, transfer: this.transfer });
     const factor = look.factor / Math.max(this.subframes, 1);
     for (const side of ['a', 'b']) {
       screen.set(`size_${side}`, width, height);
@@ -355,7 +377,7 @@ export class Renderer {
     screen.setInteger('difference', 0);
     screen.set('difference_limit', 1);
     screen.set('split', 2);  // the whole width shows image A
-    screen.set('viewport_px', width, height);
+    screen.set('viewport_px', across, down);
     screen.set('viewport_origin_px', 0, 0);
     this.screenPass();
   }
@@ -363,7 +385,7 @@ export class Renderer {
   /** Sums of a rectangle of pixels, of all sub-frames: [height][width][4]. */
   read(x, y, width, height) {
     const gl = this.gl, sums = new Float32Array(4 * width * height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    this.intoSums();
     gl.readPixels(x, y, width, height, gl.RGBA, gl.FLOAT, sums);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return sums;

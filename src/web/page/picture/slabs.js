@@ -1,7 +1,7 @@
 // slabs.js: volume rendering by value: moments of a field added up in depth slabs, four a pass (with light two), classified and composited
 // front to back (docs/volume_rendering.md); largest values of a field, eight slabs a pass. Nothing is sorted. All slabs have the same depth and divide the
 // range of the picture, as in src/render/splat/volume.
-import { dot, normalized } from '../vectors.js';
+import { dot, isSame, normalized } from '../vectors.js';
 import { axesOf } from '../camera.js';
 import { lightOf } from './transfer.js';
 
@@ -11,7 +11,11 @@ const layers = 4;               // images that every device draws into at once
 const slabsOf = { SLABS: 4, LIT: 2, MEANS: 8 };  // a pass, by the word of slab.frag
 const leastShare = 1e-3;        // kLeastDensityShare of render/by_value/volume_image.h
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
+const mostKept = 2 ** 29;       // bytes of kept sums: 32 slabs of a million pixels
 const finishShaders = ['erf.glsl', 'expected.glsl', 'finish.frag'], tableShaders = ['erf.glsl', 'expected.glsl', 'table.frag'];
+
+const wordOf = (light) => (light.on ? 'LIT' : 'SLABS');
+const passesOf = ({ light, slabs }) => Math.ceil(slabs / slabsOf[wordOf(light)]);
 
 export class Slabs {
   constructor(renderer) {
@@ -19,8 +23,9 @@ export class Slabs {
     const { gl } = renderer, texture = () => renderer.texture(), images = () => Array.from({ length: layers }, texture);
     this.pieces = texture();
     this.table = texture();
-    this.layers = images();
-    this.before = images();
+    this.ring = [images(), images()];  // of a pass, and of the one before
+    this.kept = { images: [], size: '', of: null };  // of all passes of the first sub-frame; of: name of the sums, null: none
+    this.room = mostKept;
     this.ranges = texture();
     this.strip = texture();
     this.densest = texture();
@@ -37,14 +42,49 @@ export class Slabs {
     if (this.allocated === key) return;
     this.allocated = key;
     const { renderer } = this;
-    for (const texture of [...this.layers, ...this.before, this.strip]) renderer.allocate(texture, 4, width, rows);
+    for (const texture of [...this.ring.flat(), this.strip]) renderer.allocate(texture, 4, width, rows);
     renderer.allocate(this.densest, 1, width, rows);
+  }
+
+  /** Largest share of a picture's pixels whose sums have room. */
+  shareKept({ light, slabs }, pixels) {
+    const bytes = (4 * this.renderer.format.bits * layers * slabs) / (8 * slabsOf[wordOf(light)]);
+    return Math.min(1, mostPixels / pixels, this.room / (bytes * pixels));
+  }
+
+  /** Images of a picture's passes: all, which are kept, or two by turns. */
+  imagesOf(what) {
+    const { renderer, kept } = this, { gl, width, height } = renderer, passes = passesOf(what), size = [width, height, passes].join(' ');
+    if (!what.keep || renderer.subframes > 0 || this.shareKept(what, width * height) < 1) return this.ring;
+    if (kept.size === size) return kept.images;
+    this.release();
+    const images = Array.from({ length: passes }, () => Array.from({ length: layers }, () => renderer.texture()));
+    for (const texture of images.flat()) renderer.allocate(texture, 4, width, height);
+    this.kept = { images, size, of: null };
+    if (gl.getError() !== gl.OUT_OF_MEMORY) return images;
+    this.release();
+    this.room /= 4;
+    return this.imagesOf(what);
+  }
+
+  /** Whether the sums of the slabs are there. */
+  isDrawn(what) { return Boolean(what.transfer) && this.imagesOf(what) === this.kept.images && this.kept.of === what.of; }
+
+  release() {
+    for (const texture of this.kept.images.flat()) this.renderer.gl.deleteTexture(texture);
+    this.kept = { images: [], size: '', of: null };
+  }
+
+  /** Discards the kept sums: another view; isShown: whether it shows their quantity. */
+  restart(isShown) {
+    if (isShown) this.kept.of = null;
+    else this.release();
   }
 
   /** Pieces and table of the mean light of a transfer function. */
   setLight(transfer, { reference, unit, isMeasure }) {
     const of = [transfer, reference, unit, isMeasure];
-    if (this.light?.of.every((part, n) => part === of[n])) return;
+    if (this.light && isSame(of, this.light.of)) return;
     const { renderer } = this, { gl } = renderer, light = lightOf(transfer, { reference, unit, isMeasure });
     const rows = Math.ceil(light.pieces.length / pieceColumns), data = new Float32Array(12 * rows * pieceColumns);
     light.pieces.forEach(([start, end, first, last], n) => [[start, end], first, last].forEach((four, k) =>
@@ -65,7 +105,8 @@ export class Slabs {
   /**
    * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours, or 1 and the largest value.
    * parts  [{gpu, first, count}] of renderer.js
-   * what   {field: its place, source: the page's field, transfer: null: the largest value, light: {on, towards, weights}, clip, slabs}
+   * what   {field: its place, source: the page's field, transfer: null: the largest value, light: {on, towards, weights}, clip, slabs,
+   *         of: name of the sums, keep: whether to keep them}
    */
   add(parts, model, camera, what) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
@@ -74,16 +115,16 @@ export class Slabs {
     this.allocate(width, height, rows);
     gl.clearColor(0, 0, 0, 0);
     if (renderer.subframes === 0) {
-      gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.framebuffer);
+      renderer.intoSums();
       gl.clear(gl.COLOR_BUFFER_BIT);
     }
     if (parts.length > 0) {
       if (what.transfer) this.setLight(what.transfer, what.source);
-      this.drawRange(parts, model, camera);
+      if (!this.isDrawn(what)) this.drawRange(parts, model, camera);
       for (let first = 0; first < height; first += rows) this.drawStrip(parts, model, camera, what, first);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    ++renderer.subframes;
+    ++renderer.sums.subframes;
   }
 
   drawRange(parts, model, camera) {
@@ -95,13 +136,12 @@ export class Slabs {
     for (const one of parts) renderer.draw(renderer.instancesOf(one, null, ''), one.count, gl.MAX);
   }
 
-  /** Adds all Gaussians to some slabs of a strip. */
-  drawLayers(parts, model, camera, what, word, first, slab) {
+  /** Sums all Gaussians in some slabs of a strip. */
+  drawLayers(images, parts, model, camera, what, word, first, slab) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
-    renderer.target(this.into.layers, this.layers);
+    renderer.target(this.into.layers, images);
     gl.viewport(0, -first, width, height);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    if (slab >= what.slabs) return;
     const used = renderer.program('splat.vert', ['erf.glsl', 'chord.glsl', 'slab.frag'], word);
     renderer.setView(used, model, camera, what.clip);
     renderer.sample(used, { ranges: this.ranges });
@@ -114,8 +154,8 @@ export class Slabs {
   }
 
   /** Blends a pass over the layers into an image. */
-  gather(image, used, textures, equation, from, to) {
-    const { renderer } = this, { gl } = renderer, [layer_0, layer_1, layer_2, layer_3] = this.layers;
+  gather(image, used, [layer_0, layer_1, layer_2, layer_3], textures, equation, from, to) {
+    const { renderer } = this, { gl } = renderer;
     renderer.target(this.into[image], [this[image]]);
     gl.viewport(0, 0, renderer.width, this.rows);
     used.use();
@@ -132,18 +172,22 @@ export class Slabs {
     renderer.target(this.into.strip, [this.strip]);
     gl.clear(gl.COLOR_BUFFER_BIT);
     if (what.transfer) {
-      const word = what.light.on ? 'LIT' : 'SLABS', finish = renderer.program('screen.vert', finishShaders, word);
+      const word = wordOf(what.light), finish = renderer.program('screen.vert', finishShaders, word);
       this.setFinish(finish, model, camera, what, first);
-      renderer.target(this.into.layers, this.layers);
+      const { table, pieces } = this, passes = passesOf(what), images = this.imagesOf(what);
+      // No tau before the first and behind the last slab.
+      const nothing = Array(layers).fill(this.densest), isDrawn = this.isDrawn(what);
+      renderer.target(this.into.densest, [this.densest]);
       gl.clear(gl.COLOR_BUFFER_BIT);
       // The last slab is composited with what is behind it, nothing.
-      for (let slab = 0; slab <= what.slabs; slab += slabsOf[word]) {
-        [this.layers, this.before] = [this.before, this.layers];
-        const [before_0, before_1, before_2, before_3] = this.before, { table, pieces } = this;
-        this.drawLayers(parts, model, camera, what, word, first, slab);
+      for (let pass = 0, before = nothing; pass <= passes; ++pass) {
+        const now = pass < passes ? images[pass % images.length] : nothing, [before_0, before_1, before_2, before_3] = before;
+        if (pass < passes && !isDrawn) this.drawLayers(now, parts, model, camera, what, word, first, pass * slabsOf[word]);
         // Under what is in front.
-        this.gather('strip', finish, { before_0, before_1, before_2, before_3, table, pieces }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
+        this.gather('strip', finish, now, { before_0, before_1, before_2, before_3, table, pieces }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
+        before = now;
       }
+      if (images === this.kept.images) this.kept.of = what.of;
     } else {
       this.drawMaximum(parts, model, camera, what, first);
     }
@@ -181,8 +225,8 @@ export class Slabs {
       used.set('most', isMeasure ? 1.5 / unit / model.unit / model.extinction : 0);
       used.set('slabs', what.slabs);
       for (let slab = 0; slab < what.slabs; slab += slabsOf.MEANS) {
-        this.drawLayers(parts, model, camera, what, 'MEANS', first, slab);
-        this.gather(means ? 'strip' : 'densest', used, { ranges: this.ranges, densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
+        this.drawLayers(this.ring[0], parts, model, camera, what, 'MEANS', first, slab);
+        this.gather(means ? 'strip' : 'densest', used, this.ring[0], { ranges: this.ranges, densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
       }
     }
   }
@@ -190,7 +234,7 @@ export class Slabs {
   /** Adds the strip to the sums. */
   copyStrip(first, word) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
-    renderer.target(renderer.framebuffer, [renderer.sums]);
+    renderer.intoSums();
     gl.viewport(0, first, width, Math.min(this.rows, height - first));
     const copy = renderer.program('screen.vert', ['copy.frag'], word);
     copy.use();

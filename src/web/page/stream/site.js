@@ -1,6 +1,7 @@
 // site.js: models that are streamed from a web server (docs/streaming.md): for each view the chunks that it needs, of them what the
 // quantity needs. The same calls as Levels (model/levels.js).
 import { fieldPlace } from '../quantity.js';
+import { isSame } from '../vectors.js';
 import { extinctionIn, lightOf } from '../picture/transfer.js';
 import { meets } from '../picture/clip.js';
 import { leastError, mostError } from '../link/link.js';
@@ -22,7 +23,7 @@ const soonMs = 15;                                 // from an arrival to the nex
 
 export class Site {
   /**
-   * view  {state(), renderer(): null: none; size(): of the picture, pixels; clip(), transfer(), changed(): draw; say(text, seconds),
+   * view  {state(), renderer(): null: none; size(): of the picture, pixels; clip(), transfer(), editing(): of what hides, changed(): draw; say(text, seconds),
    *       fail(text), refuse(): the field cannot be had; show(status of status.js)}
    */
   constructor(page, decoder, view) {
@@ -136,7 +137,7 @@ export class Site {
     const volume = state.show === 'volume', data = coarse.fields.get(field);
     if (volume && !data) return () => 1;
     const aspects = [coarse, state.show, ...hiding, data, state.camera, clip.box, clip.planes], now = performance.now();
-    const isNow = this.lattice?.aspects.every((one, n) => one === aspects[n]);
+    const isNow = this.lattice !== null && isSame(aspects, this.lattice.aspects);
     this.isStale = !isNow && this.lattice !== null && now - this.lattice.at < oldMs;
     if (this.isStale) {
       this.later ||= setTimeout(() => { this.later = 0; this.replan(); }, oldMs);
@@ -183,8 +184,9 @@ export class Site {
   /** Parts to draw now, as Levels.now(). */
   now(moving) {
     this.moving = moving;
-    const aspects = this.aspects();
-    if (!this.planned?.every((part, n) => part === aspects[n])) this.replan(true);
+    // During edits the plan stays as what was hidden before has it.
+    const aspects = this.aspects(), end = this.view.editing() ? aspects.length - this.hiding().length : aspects.length;
+    if (!this.planned || !isSame(aspects.slice(0, end), this.planned.slice(0, end))) this.replan(true);
     const { parts, count } = this.drawn ?? { parts: [], count: 0 };
     return { parts, key: this.version, count };
   }
