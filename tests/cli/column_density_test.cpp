@@ -138,7 +138,7 @@ TEST_F(column_density_command, options_that_contradict_are_refused) {
         must_fail(2, render + "--show column --range " + range, "--range");
     must_fail(2, render + "--show column --scale log --range 0,1", "above 0");
     must_fail(2, "render cube.vdb --show column --values-out a.npy --color-bar", "--color-bar");
-    must_fail(1, render + "--values-out a.txt", "a.txt: cannot write");
+    must_fail(1, render + "--values-out a.txt", "a.txt: this command writes .npy, .exr");
     must_fail(1, render + "--title '\xe6\x97\xa5'", "no glyph");
 }
 

@@ -202,7 +202,7 @@ TEST_F(cli, every_failure_is_one_line_that_names_the_file) {
     must_fail(1, "convert c.vdb -o no/a.ply", "no folder 'no'");
     must_fail(1, "convert c.vdb -o a.ply --grid heat", "no grid named 'heat' (it has: density)");
     must_fail(2, "convert c.ply -o a.ply --method paper", "--method has no effect with models");
-    must_fail(1, "render c.ply -o a.jpg", "a.jpg: cannot write");
+    must_fail(1, "render c.ply -o a.jpg", "a.jpg: this command writes .png, .exr");
     must_fail(1, "render c.ply -o a.png --tf mauve", "mauve");
     must_fail(1, "render c.ply -o a.png --camera absent.json", "absent.json: no such file");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "a.ply"));

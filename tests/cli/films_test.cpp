@@ -137,7 +137,8 @@ TEST_F(films, bad_requests_say_what_would_be_valid) {
               "--set fps has no effect");
     must_fail(2, "render models/step_1.ply -o film.mp4", "a film of one picture");
     must_fail(1, "render models/step_1.ply -o none/%d.png --turntable 2", "no folder 'none'");
-    must_fail(1, "render models/step_1.ply -o %d.jpg --turntable 2", "expected .png or .exr");
+    must_fail(1, "render models/step_1.ply -o %d.jpg --turntable 2",
+              "this command writes .png, .exr");
     must_fail(1, "render models/step_1.ply -o film.mp4 --turntable 2",
               "-o FOLDER/ writes the pictures as PNG files", "PATH=/nonexistent");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "t"));

@@ -164,7 +164,8 @@ TEST_F(voxelize_command, refuses_in_one_line) {
               "no grid named 'nope'");
     must_fail(1, "voxelize model.ply -o v.vdb --like absent.vdb", "absent.vdb");
     must_fail(1, "voxelize model.ply -o v.vdb --like plain.ply", "is no volume");
-    must_fail(1, "voxelize model.ply -o v.png --voxel-size 1", "expected .vdb or .nvdb");
+    must_fail(1, "voxelize model.ply -o v.png --voxel-size 1",
+              "this command writes .vdb, .nvdb; use vog render model.ply -o v.png");
     must_fail(1, "voxelize model.ply -o skewed.vdb --like skewed.vdb", "is an input too");
     must_fail(1, "voxelize skewed.vdb -o v.vdb --voxel-size 1", "is no model");
     must_fail(1, "voxelize points.csv -o v.vdb --voxel-size 1", "is no model");

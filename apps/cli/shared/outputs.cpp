@@ -64,11 +64,14 @@ void check_folder(const std::string& output) {
 
 std::string command_line(const std::string& command, const std::vector<std::string>& inputs,
                          const std::string& output) {
-    constexpr std::size_t kShown = 3;
+    constexpr std::size_t kMost = 3;
     std::string text = "vog " + command;
-    for (std::size_t n = 0; n < std::min(inputs.size(), kShown); ++n)
-        text += " " + quoted(inputs[n]);
-    if (inputs.size() > kShown) text += " ...";
+    std::size_t shown = 0;
+    for (const std::string& input : inputs) {
+        if (input.empty()) continue;  // not given
+        text += shown < kMost ? " " + quoted(input) : " ...";
+        if (++shown > kMost) break;
+    }
     return text + " -o " + quoted(output);
 }
 
