@@ -91,7 +91,8 @@ def cases():
     # A conversion without its size measures errors in twelve views.
     yield "export", [VOLUME, "-o", "{out}/m.spz"], [VOLUME, "-o", "{out}/m.spz", "--budget", "60"]
     for command, data, output in (("page", VOLUME, "p.html --budget 60"), ("page", VOLUME, "site/ --budget 60"), ("export", VOLUME, "m.spz --budget 60"),
-                                  ("page", TEXT, "p.html"), ("pack", TEXT, "m.vogz"), ("export", POINTS, "m.spz")):
+                                  ("pack", VOLUME, "m.vogz --budget 60"), ("page", TEXT, "p.html"), ("pack", TEXT, "m.vogz"), ("export", TEXT, "m.spz"),
+                                  ("export", POINTS, "m.spz")):
         yield command, [data, "-o", *("{out}/" + output).split()]
     yield "convert", [MODEL, "{made}/other.ply", "-o", "{out}/m.ply"]
     for output in ("m.ply", "m.vogz", "models/"):

@@ -149,6 +149,7 @@ Json write_site(const PageCommand& arguments, const GivenOptions& command) {
 Json write_page_of_copy(const PageCommand& given, const GivenOptions& command) {
     const ModelArguments& models = given.models;
     check(given, command, FileKind::model);
+    if (is_sequence(models.output)) throw UsageError("--from: expected a page, -o NAME.html");
     check_output(models.output, models.inputs, {".html"});
     const std::string& input = models.inputs.front();
     const bool site = is_site(input);
