@@ -354,7 +354,7 @@ HWY_INLINE void divide_slab(D d, const MomentLanes<V>& own, const NeighbourLanes
 /// returns  whether all pixels are dark
 template <class D>
 HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const CellRays& rays,
-                               SlabCell& cell) {
+                                 SlabCell& cell) {
     using V = hn::Vec<D>;
     const V zero = hn::Zero(d), dark = hn::Set(d, kDarkTransmittance);
     const bool lit = cell.channels == kLitChannels;
