@@ -11,8 +11,8 @@
 #include "help/mistakes.h"
 #include "help/version.h"
 #include "options/parser/command_line.h"
-#include "shared/terminal.h"
-#include "shared/usage_error.h"
+#include "terminal/terminal.h"
+#include "terminal/usage_error.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "rank_files.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/model_io.h"

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "files/inputs.h"
 #include "pictures/divided_volumes.h"
 #include "ranks.h"
-#include "shared/inputs.h"
 
 namespace vog::mpi {
 

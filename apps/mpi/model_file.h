@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "conversion/convert_run.h"
 #include "ranks.h"
-#include "shared/convert_run.h"
 
 namespace vog::mpi {
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "shared/usage_error.h"
 #include "support/data.h"
 #include "support/image_bytes.h"
+#include "terminal/usage_error.h"
 
 namespace vog::test {
 

@@ -2,15 +2,38 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "conversion/convert_run.h"
+#include "files/inputs.h"
 #include "pictures/render_run.h"
-#include "shared/convert_run.h"
-#include "shared/evaluate_run.h"
+#include "vog/evaluate.h"
 
 namespace vog::cli {
+
+/// Arguments of an evaluation.
+struct EvaluateArguments {
+    std::vector<std::string> inputs;
+    std::vector<std::string> models;  ///< taken out of the inputs
+    std::vector<std::string> fields;  ///< texts of --field
+    std::vector<std::string> tfs;     ///< texts of --tf
+    std::string show = "T";
+    std::string folder, size = "512x512", extinction = "auto";
+    VolumeInputOptions volume;
+    EvaluateOptions options;
+    int threads = 0;
+    bool json = false, verbose = false;
+};
+
+/// Hooks for an evaluation by several MPI ranks; the defaults are a single process.
+struct EvaluateRanks {
+    const Collective* collective = nullptr;  ///< reductions over the ranks; null: one process
+    /// Reads this rank's part of volumes whose densities add up. Empty: the whole inputs are read.
+    std::function<LoadedVolumes(const EvaluateArguments&)> load{};
+};
 
 void add_sample(CLI::App& app);
 void add_info(CLI::App& app);

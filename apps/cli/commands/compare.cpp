@@ -9,13 +9,13 @@
 #include <optional>
 
 #include "commands/commands.h"
+#include "files/inputs.h"
+#include "files/outputs.h"
 #include "options/option_effects.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
 #include "options/request_options.h"
-#include "shared/inputs.h"
-#include "shared/outputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/compare_maps.h"
 #include "vog/error.h"
 

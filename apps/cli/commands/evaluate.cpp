@@ -7,12 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
-#include "fields/volume_fields.h"
+#include "conversion/volume_fields.h"
 #include "options/option_effects.h"
 #include "options/parser/validators.h"
 #include "options/request_options.h"
-#include "shared/evaluate_run.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 

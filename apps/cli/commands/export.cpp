@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "commands/commands.h"
+#include "files/outputs.h"
+#include "files/sequence.h"
 #include "models/model_inputs.h"
 #include "options/option_effects.h"
-#include "shared/outputs.h"
-#include "shared/sequence.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
 #include "vog/periodic.h"

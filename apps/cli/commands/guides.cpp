@@ -9,7 +9,7 @@
 #include "help/machine_report.h"
 #include "help/man_page.h"
 #include "options/parser/command_line.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 #ifdef VOG_VIEWER
 #include "screen/screen.h"

@@ -10,9 +10,9 @@
 #include <span>
 
 #include "commands/commands.h"
+#include "files/inputs.h"
 #include "help/next_steps.h"
-#include "shared/inputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/model_io.h"
 #include "vog/points.h"

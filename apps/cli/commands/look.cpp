@@ -6,9 +6,9 @@
 #include <map>
 
 #include "commands/commands.h"
+#include "files/sequence.h"
 #include "help/next_steps.h"
-#include "shared/sequence.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/points.h"
 #include "vog/site.h"

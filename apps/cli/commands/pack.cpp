@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
+#include "files/outputs.h"
+#include "files/sequence.h"
 #include "models/model_inputs.h"
 #include "options/option_effects.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
-#include "shared/outputs.h"
-#include "shared/sequence.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 #include "vog/vogz_fit.h"

@@ -4,14 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
+#include "files/outputs.h"
+#include "files/sequence.h"
 #include "models/page_options.h"
 #include "models/site_run.h"
 #include "options/memory_options.h"
 #include "options/option_effects.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
-#include "shared/outputs.h"
-#include "shared/sequence.h"
 #include "vog/error.h"
 
 namespace vog::cli {

@@ -11,14 +11,14 @@
 #include <set>
 
 #include "commands/commands.h"
+#include "files/outputs.h"
+#include "files/sequence.h"
 #include "films/film.h"
 #include "films/views.h"
 #include "options/option_effects.h"
 #include "pictures/render_run.h"
 #include "pictures/request_file.h"
-#include "shared/outputs.h"
-#include "shared/sequence.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 
 namespace vog::cli {

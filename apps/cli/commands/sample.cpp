@@ -4,11 +4,11 @@
 #include <fmt/core.h>
 
 #include "commands/commands.h"
+#include "files/inputs.h"
+#include "files/outputs.h"
 #include "options/option_effects.h"
 #include "options/parser/validators.h"
-#include "shared/inputs.h"
-#include "shared/outputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {

@@ -12,7 +12,7 @@
 #include "options/parser/settings.h"
 #include "serve/site_folder.h"
 #include "serve/site_server.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
 #include "vog/temporary_file.h"

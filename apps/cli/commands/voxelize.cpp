@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
+#include "files/inputs.h"
+#include "files/outputs.h"
+#include "files/sequence.h"
 #include "options/memory_options.h"
 #include "options/option_effects.h"
 #include "options/parser/validators.h"
-#include "shared/inputs.h"
-#include "shared/outputs.h"
-#include "shared/sequence.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/volume_io.h"
 

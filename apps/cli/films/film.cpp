@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "shared/inputs.h"
+#include "files/inputs.h"
 #include "vog/error.h"
 
 extern char** environ;  // NOLINT: POSIX has no header for it

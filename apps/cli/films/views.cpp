@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <numbers>
 
-#include "shared/sequence.h"
-#include "shared/terminal.h"
+#include "files/sequence.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 
 namespace vog::cli {

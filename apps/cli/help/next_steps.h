@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/inputs.h"
+#include "files/inputs.h"
 #include "vog/scan_io.h"
 
 namespace vog::cli {

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "fields/volume_fields.h"
+#include "conversion/volume_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/site.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "files/inputs.h"
 #include "options/output_options.h"
-#include "shared/inputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/linear.h"
 #include "vog/lod.h"
 

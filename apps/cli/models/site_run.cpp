@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/memory.h"
 

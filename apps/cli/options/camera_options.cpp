@@ -9,9 +9,9 @@
 #include <numbers>
 #include <vector>
 
+#include "files/inputs.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
-#include "shared/inputs.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 

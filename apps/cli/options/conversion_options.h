@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "conversion/convert_run.h"
 #include "options/option_effects.h"
-#include "shared/convert_run.h"
 
 namespace vog::cli {
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "shared/inputs.h"
+#include "files/inputs.h"
 #include "vog/scan_io.h"
 #include "vog/text.h"
 

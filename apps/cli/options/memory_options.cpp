@@ -10,8 +10,8 @@
 
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
-#include "shared/terminal.h"
-#include "shared/usage_error.h"
+#include "terminal/terminal.h"
+#include "terminal/usage_error.h"
 
 namespace vog::cli {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "files/inputs.h"
 #include "options/parser/given_options.h"
-#include "shared/inputs.h"
 
 namespace vog::cli {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "options/parser/given_options.h"
-#include "shared/usage_error.h"
+#include "terminal/usage_error.h"
 #include "vog/request_schema.h"
 
 namespace vog::cli {

@@ -5,7 +5,7 @@
 #include <exception>
 #include <iterator>
 
-#include "fields/volume_fields.h"
+#include "conversion/volume_fields.h"
 #include "pictures/scene_inputs.h"
 #include "vog/error.h"
 

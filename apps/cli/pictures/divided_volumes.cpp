@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pictures/scene_inputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 
 namespace vog::cli {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/inputs.h"
+#include "files/inputs.h"
 #include "vog/picture.h"
 
 namespace vog::cli {

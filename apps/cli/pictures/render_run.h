@@ -18,7 +18,7 @@
 #include "options/request_options.h"
 #include "pictures/picture_request.h"
 #include "pictures/scene_inputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 
 namespace vog::cli {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "shared/sequence.h"
+#include "files/sequence.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 #include "vog/text.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "fields/volume_fields.h"
-#include "shared/terminal.h"
+#include "conversion/volume_fields.h"
+#include "terminal/terminal.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/text.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "conversion/convert_run.h"
 #include "model_file.h"
 #include "ranks.h"
-#include "shared/convert_run.h"
 #include "vog/linear.h"
 
 namespace vog::mpi {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "fields/field_conversion.h"
-#include "fields/volume_fields.h"
+#include "conversion/field_conversion.h"
+#include "conversion/volume_fields.h"
 #include "vog/convert_fields.h"
 
 namespace vog::mpi {

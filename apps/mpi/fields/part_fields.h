@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "conversion/convert_run.h"
 #include "model_file.h"
 #include "ranks.h"
-#include "shared/convert_run.h"
 #include "vog/convert_moments.h"
 #include "vog/voxel_field.h"
 

@@ -12,7 +12,7 @@
 
 #include "help/mistakes.h"
 #include "options/parser/settings.h"
-#include "shared/usage_error.h"
+#include "terminal/usage_error.h"
 
 namespace vog::cli {
 

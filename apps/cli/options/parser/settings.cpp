@@ -1,7 +1,7 @@
 // settings.cpp: --set NAME=VALUE as options of the parser.
 #include "options/parser/settings.h"
 
-#include "shared/usage_error.h"
+#include "terminal/usage_error.h"
 
 namespace vog::cli {
 

@@ -1,5 +1,5 @@
 // inputs.cpp: reading of inputs by kind, and parsing of option values.
-#include "shared/inputs.h"
+#include "files/inputs.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "help/next_steps.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/lod.h"

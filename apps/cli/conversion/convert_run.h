@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "files/inputs.h"
 #include "options/memory_options.h"
-#include "shared/inputs.h"
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"

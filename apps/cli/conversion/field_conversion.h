@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "fields/volume_fields.h"
-#include "shared/convert_run.h"
+#include "conversion/convert_run.h"
+#include "conversion/volume_fields.h"
 #include "vog/convert_fields.h"
 #include "vog/gaussians.h"
 #include "vog/volume.h"

@@ -1,5 +1,5 @@
 // terminal.cpp: printing with every failure reported, and signals.
-#include "shared/terminal.h"
+#include "terminal/terminal.h"
 
 #include <fcntl.h>
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 // outputs.cpp: extensions, folders and identity of the files that a command writes.
-#include "shared/outputs.h"
+#include "files/outputs.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -10,9 +10,9 @@
 #include <map>
 #include <system_error>
 
+#include "files/inputs.h"
+#include "files/sequence.h"
 #include "help/next_steps.h"
-#include "shared/inputs.h"
-#include "shared/sequence.h"
 #include "vog/error.h"
 
 namespace vog::cli {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "options/input_options.h"
-#include "shared/usage_error.h"
+#include "terminal/usage_error.h"
 #include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"

@@ -1,5 +1,5 @@
 // sequence.cpp: file patterns, output names and concurrent frames.
-#include "shared/sequence.h"
+#include "files/sequence.h"
 
 #include <fmt/core.h>
 #include <glob.h>
@@ -14,7 +14,7 @@
 #include <system_error>
 #include <thread>
 
-#include "shared/inputs.h"
+#include "files/inputs.h"
 #include "vog/error.h"
 #include "vog/ply.h"
 #include "vog/progress.h"

@@ -1,5 +1,5 @@
 // volume_fields.cpp: reading of fields, one volume after another.
-#include "fields/volume_fields.h"
+#include "conversion/volume_fields.h"
 
 #include <algorithm>
 #include <utility>

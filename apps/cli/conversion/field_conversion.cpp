@@ -1,5 +1,5 @@
 // field_conversion.cpp: --field and --for of vog convert.
-#include "fields/field_conversion.h"
+#include "conversion/field_conversion.h"
 
 #include <fmt/core.h>
 
