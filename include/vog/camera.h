@@ -24,6 +24,7 @@ struct Camera {
     double orthographic_width = 0;
 
     bool orthographic() const { return orthographic_width > 0; }
+    friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 /// Rays of a camera for one image size: origin(column, row) + t direction(column, row), t >= 0. The

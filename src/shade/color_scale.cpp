@@ -104,17 +104,18 @@ ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit) {
 
 ColorScale fitted_scale(std::span<const float> values, ScaleFit fit) {
     constexpr double kLow = 0.01, kHigh = 0.99, kDecades = 1e4;
-    std::vector<float> counted, above;
-    for (const float value : values) {
-        if (!std::isfinite(value)) continue;
-        counted.push_back(fit == ScaleFit::symmetric ? std::abs(value) : value);
-        if (value > 0) above.push_back(value);
+    std::vector<float> counted;
+    for (const float value : values)
+        if (std::isfinite(value))
+            counted.push_back(fit == ScaleFit::symmetric ? std::abs(value) : value);
+    bool log = fit == ScaleFit::log;
+    if (fit == ScaleFit::automatic &&
+        std::ranges::none_of(counted, [](float value) { return value < 0; })) {
+        std::vector<float> above = counted;
+        std::erase(above, 0.0f);
+        log = !above.empty() && crowd_below(above, percentile(above, kHigh));
     }
-    const bool log = fit == ScaleFit::log ||
-                     (fit == ScaleFit::automatic &&
-                      std::ranges::none_of(counted, [](float value) { return value < 0; }) &&
-                      !above.empty() && crowd_below(above, percentile(above, kHigh)));
-    if (log) counted = std::move(above);
+    if (log) std::erase_if(counted, [](float value) { return !(value > 0); });
     if (counted.empty() && log)
         throw Error("a logarithmic scale, expected at least one value above 0");
     if (counted.empty()) return {Kind::linear, fit == ScaleFit::symmetric ? -1.0 : 0.0, 1};

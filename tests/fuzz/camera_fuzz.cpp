@@ -19,10 +19,7 @@ void run(Bytes input) {
     Camera again;
     expect(accepted([&] { write_camera(again_file, camera); }), "a camera that is read is written");
     expect(accepted([&] { again = read_camera(again_file); }), "a camera that is written is read");
-    expect(again.eye == camera.eye && again.look_at == camera.look_at && again.up == camera.up &&
-               again.fov_degrees == camera.fov_degrees &&
-               again.orthographic_width == camera.orthographic_width,
-           "a camera survives bit for bit");
+    expect(again == camera, "a camera survives bit for bit");
 }
 
 }  // namespace vog::fuzz

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "vog/error.h"
@@ -116,11 +115,8 @@ bool same_kind(const ResolvedPicture& a, const ResolvedPicture& b) {
 
 bool same_moments(const ResolvedPicture& a, const ResolvedPicture& b) {
     const PictureRequest &p = a.request, &q = b.request;
-    const auto tie = [](const Camera& c) {
-        return std::tie(c.eye, c.look_at, c.up, c.fov_degrees, c.orthographic_width);
-    };
     return same_kind(a, b) && p.width == q.width && p.height == q.height &&
-           tie(a.camera()) == tie(b.camera()) && p.options.clip == q.options.clip &&
+           a.camera() == b.camera() && p.options.clip == q.options.clip &&
            p.options.pixel_error == q.options.pixel_error &&
            (!is_by_value(p.show) ||
             (p.slabs == q.slabs && (is_largest(a) || p.look.light == q.look.light)));

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <tuple>
 
 #include "vog/error.h"
 #include "vog/exposure.h"
@@ -21,13 +20,6 @@ namespace {
 constexpr double kSettleS = 0.2;
 constexpr double kSlowFrameMs = 45, kQuickFrameMs = 20;
 constexpr double kMovingErrorLimit_px = 16;  ///< shapes are still recognisable
-
-bool same(const Camera& a, const Camera& b) {
-    const auto tie = [](const Camera& c) {
-        return std::tie(c.eye, c.look_at, c.up, c.fov_degrees, c.orthographic_width);
-    };
-    return tie(a) == tie(b);
-}
 
 /// Fraction of the pixels with T > 0 by V, in 128 equal bins.
 std::vector<float> histogram_of(const std::vector<float>& column, double extinction) {
@@ -130,7 +122,7 @@ const Level* Session::level_at(int level) const {
 }
 
 void Session::update_moving_error() {
-    const bool changed = !same(camera, last_camera_);
+    const bool changed = camera != last_camera_;
     last_camera_ = camera;
     const double now = clock_s_();
     if (changed) last_change_s_ = now;
@@ -230,7 +222,7 @@ void Session::update(PixelSize shown) {
     advance_recording();
 }
 
-bool Session::at_first_view() const { return same(camera, first_camera(scene.subject)); }
+bool Session::at_first_view() const { return camera == first_camera(scene.subject); }
 
 bool Session::drawing() const {
     if (scene.levels.empty()) return false;

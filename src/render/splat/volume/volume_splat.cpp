@@ -35,25 +35,12 @@ device::BlinnPhong along_view(const VolumeLook& look, const CameraFrame& frame) 
 
 /// View of a picture.
 struct View {
-    Vec3d eye, look_at, up;
-    double fov_degrees, orthographic_width;
+    Camera camera;
     int width, height;
 
-    View(const Camera& camera, int columns, int rows)
-        : eye(camera.eye),
-          look_at(camera.look_at),
-          up(camera.up),
-          fov_degrees(camera.fov_degrees),
-          orthographic_width(camera.orthographic_width),
-          width(columns),
-          height(rows) {}
     friend bool operator==(const View&, const View&) = default;
-    /// Whether it is another one, with more pixels under the same camera.
-    bool is_finer(View other) const {
-        const bool more = width > other.width;
-        other.width = width, other.height = height;
-        return more && *this == other;
-    }
+    /// Whether it has more pixels under the same camera.
+    bool is_finer(const View& other) const { return camera == other.camera && width > other.width; }
 };
 
 /// Model and buffers, kept from picture to picture.
@@ -180,7 +167,7 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
         bins, [&](int t, Nothing) { drawn.draw_tile(t, buffers.local(), picture.pixel.data()); });
     if (!drawn.kept) return;
     if (!kept.complete()) kept.begin(0);
-    kept_view.emplace(camera, width, height);
+    kept_view = {camera, width, height};
 }
 
 }  // namespace
