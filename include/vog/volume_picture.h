@@ -7,6 +7,7 @@
 
 #include <span>
 
+#include "vog/camera.h"
 #include "vog/clip.h"
 #include "vog/image.h"
 #include "vog/linear.h"
@@ -24,11 +25,26 @@ struct VolumeLook {
     /// Off: emission and absorption alone.
     bool light = false;
     Vec3d towards_light{};  ///< world, any length > 0; 0 0 0: the eye
+    bool studio = false;  ///< whether resolve() sets shadows, occlusion and kStudioOctaves
     double ambient = 0.3, diffuse = 0.7, specular = 0.2, power = 20;  ///< weights >= 0; power > 0
+    /// Whether what absorbs light on its way casts shadows: diffuse and specular light times exp(-optical depth towards the
+    /// light). Colours without shading by the gradient are (ambient + diffuse exp(-depth)) / (ambient + diffuse) of theirs.
+    bool shadows = false;
+    /// Ambient occlusion: ambient light times the mean of exp(-optical depth) over all directions. Without `light` and
+    /// `shadows` all light is ambient.
+    bool occlusion = false;
+    /// Octaves of multiple scattering: the mean of exp(-depth / 2^k), weighted by 1 / 2^k, k from 0 to below this, in place of exp(-depth).
+    /// Source: Wrenninge, "Oz: The Great and Volumetric", SIGGRAPH 2013 talks.
+    int octaves = 1;
     Clipping clip{};  ///< space that is shown; exact on every ray
     friend bool operator==(const VolumeLook&, const VolumeLook&) = default;
 };
-/// throws  vog::Error for an invalid clip, weights that are negative or not finite, a power that is not > 0
+/// Direction towards a light from the upper left of a view, world units.
+Vec3d studio_light(const Camera& camera);
+/// Octaves that change a picture: further ones have next to no weight.
+inline constexpr int kMostOctaves = 16, kStudioOctaves = 3;
+/// throws  vog::Error for an invalid clip, weights that are negative or not finite, a power that is not > 0, octaves off
+///         [1, kMostOctaves]
 void validate(const VolumeLook& look);
 
 /// Light over a background, colours as displayed. A transparent background (a = 0) keeps alpha: as in every

@@ -95,6 +95,10 @@ def render(
     unit_distance: "Optional[float]" = None,
     light: "Union[str, ArrayLike, None]" = None,
     light_weights: "Optional[ArrayLike]" = None,
+    shadows: bool = False,
+    light_from: "Optional[ArrayLike]" = None,
+    ambient_occlusion: bool = False,
+    scattering: int = 1,
     clip: "Optional[ArrayLike]" = None,
     clip_planes: "Optional[ArrayLike]" = None,
     extinction: "Union[str, float]" = "auto",
@@ -143,8 +147,14 @@ def render(
     unit_distance  of volume: world length that opacities refer to; None: the file's; of window, bands and a tf with opacities a
                    hundredth of the box's diagonal; of a colour map the one at which the data, spread evenly over the silhouette of
                    their box, have an optical depth of 2
-    light          of volume: 'head', or a direction towards the light; None: emission and absorption alone
+    light          of volume: 'head', a direction towards the light, or 'studio': shadows, ambient occlusion and three octaves of
+                   scattering; None: emission and absorption alone
     light_weights  (ambient, diffuse, specular, power)
+    shadows        of volume: light is absorbed on its way from the direction of `light`, else `light_from`, else the upper left of
+                   the view
+    ambient_occlusion
+                   of volume: ambient light is absorbed on its way from all directions
+    scattering     octaves of multiple scattering, which brighten the inside of shadows
     clip           box of the world that is shown, [2, 3]; None: all. Exact on every ray
     clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays
     extinction     of T: factor on density; 'auto': the 99th percentile of the non-zero T becomes 4, more or less where the picture would be dark or burnt out
@@ -177,6 +187,9 @@ def render(
     >>> head = vog.render(vog.sample_head(64), size=64, show="volume", window=(1040, 400), background="white")
     >>> np.asarray(head.image).shape
     (64, 64, 3)
+    >>> cloud = vog.render(volume, size=64, show="volume", tf="white", light="studio")
+    >>> np.asarray(cloud.image).mean() < np.asarray(vog.render(volume, size=64, show="volume", tf="white").image).mean()
+    True
     """
     request = {key: value for key, value in locals().items() if key not in ("data", "fields", "progress", "camera", "size")}
     if fields is not None and (show in ("T", "column") or not field):

@@ -30,6 +30,11 @@ Image over(std::span<const Rgba> light, int width, int height, const Rgba& backg
     return image;
 }
 
+Vec3d studio_light(const Camera& camera) {
+    const CameraFrame frame = frame_of(camera, 1, 1);
+    return normalized(-0.6 * frame.right + 0.9 * frame.up - 0.6 * frame.forward);
+}
+
 void validate(const VolumeLook& look) {
     validate(look.clip);
     const auto require = [](const char* name, double value, bool valid) {
@@ -41,6 +46,9 @@ void validate(const VolumeLook& look) {
     require("diffuse", look.diffuse, look.diffuse >= 0);
     require("specular", look.specular, look.specular >= 0);
     require("power", look.power, look.power > 0);
+    if (look.octaves < 1 || look.octaves > kMostOctaves)
+        throw Error(fmt::format("light: {} octaves of scattering, expected 1 to {}", look.octaves,
+                                kMostOctaves));
     for (int axis = 0; axis < 3; ++axis)
         if (!std::isfinite(look.towards_light[axis]))
             throw Error(fmt::format("light: direction {},{},{}, expected finite numbers",

@@ -121,6 +121,7 @@ def cases():
     yield "render", [VOLUME, *PICTURE, "--interpolation", "linear"]
     yield "render", [MODEL, "--values-out", "{out}/v.npy", *SMALL, "--show", "mean", "--field", "temperature"]
     yield "render", [MODEL, *PICTURE, "--show", "volume", "--light", "head"]
+    yield "render", [MODEL, *PICTURE, "--show", "volume", "--shadows"]
     yield "render", [MODEL, *PICTURE, "--orthographic"]
     yield "render", [MODEL, "{made}/other.ply", "-o", "{out}/turn/", "--turntable", "2", *SMALL]
     yield "render", [MODEL, "{made}/other.ply", "-o", "{out}/pictures/", *SMALL]

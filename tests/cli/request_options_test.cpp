@@ -95,8 +95,8 @@ TEST(request_options, words_that_are_none_are_refused) {
     expect_in(volume_refused("--window 3,0"), "--window 3,0: expected CENTRE,WIDTH");
     expect_in(volume_refused("--unit-distance=-1"), "--unit-distance -1: expected a finite length");
     expect_in(volume_refused("--unit-distance inf"), "expected a finite length");
-    expect_in(volume_refused("--light up"), "--light up: expected head or a direction x,y,z");
-    expect_in(volume_refused("--light 0,0,0"), "expected head or a direction");
+    expect_in(volume_refused("--light up"), "--light up: expected head, studio or a direction x,y,z");
+    expect_in(volume_refused("--light 0,0,0"), "expected head, studio or a direction");
     expect_in(volume_refused("--light head --set light-weights=1,-1,0,1"), "diffuse -1");
     expect_in(volume_refused("--light head --set light-weights=1,1"), "ambient, diffuse");
     EXPECT_EQ(volume_refused("--band 1,2,red,1 --band 2,3,blue,0.5 --light=-1,2,0"), "accepted");
@@ -115,7 +115,9 @@ TEST(request_options, that_exclude_each_other_are_refused) {
     expect_in(volume_refused("--window 3,1 --tf gray"), "--tf and --window exclude each other");
     expect_in(volume_refused("--band 1,2,red,1 --range 1,2"),
               "--range and --band exclude each other");
-    expect_in(volume_refused("--set light-weights=1,1,1,1"), "--set light-weights needs --light");
+    expect_in(volume_refused("--set light-weights=1,1,1,1"),
+              "--set light-weights needs --light, --shadows or --ambient-occlusion");
+    EXPECT_EQ(volume_refused("--shadows --set light-weights=1,1,1,1"), "accepted");
     expect_in(refused("--threshold 2"), "--threshold has no effect with --show T");
     EXPECT_EQ(volume_refused("--threshold 2 --tf gray --range 1,2"), "accepted");
 }

@@ -91,8 +91,9 @@ SumImage drawn(const Gaussians& model, const ResolvedPicture& picture) {
     std::optional<GlField> field;
     if (!is_depth(show)) field.emplace(on_device, model, picture.field);
     if (is_by_value(show))
-        GlSlabs().add({&on_device, &*field, model.fields.find_scalar(picture.field.field), picture},
-                      picture.camera(), {}, target);
+        GlSlabs().add(
+            {&on_device, &*field, model.fields.find_scalar(picture.field.field), &model, picture},
+            picture.camera(), {}, target);
     else
         GlFieldSums().add(on_device, field ? &*field : nullptr, picture.camera(), {},
                           picture.request.options.clip, target);
@@ -287,15 +288,19 @@ TEST_F(quantity_gl, volumes_by_value_are_the_cpus) {
         over_range(named_transfer_function("viridis"), field.lower, field.upper, 6));
     const auto band = std::make_shared<const ValueTransfer>(
         band_transfer({{middle, field.upper, 1, 0.6f, 0.2f, 0.9}}, 4));
-    VolumeLook plain, lit, aside, clipped;
-    lit.light = aside.light = true;
-    aside.towards_light = {1, 2, -1};
+    VolumeLook plain, lit, aside, shadowed, all, clipped;
+    lit.light = aside.light = all.light = true;
+    aside.towards_light = shadowed.towards_light = all.towards_light = {1, 2, -1};
+    shadowed.shadows = all.shadows = all.occlusion = true;
     clipped.clip = middle_of(model);
     for (const View& view : views(model))
         for (const auto& [name, transfer, look] : {std::tuple{"ramp", ramp, plain},
                                                    {"band", band, plain},
                                                    {"light", ramp, lit},
                                                    {"light aside", ramp, aside},
+                                                   {"shadows", ramp, shadowed},
+                                                   {"shadows of a band", band, shadowed},
+                                                   {"all light", ramp, all},
                                                    {"clip", ramp, clipped}}) {
             SCOPED_TRACE(std::string(view.name) + " " + name);
             SlabOptions options;
@@ -324,7 +329,8 @@ TEST_F(quantity_gl, edits_under_one_camera_draw_no_gaussians) {
     KeptSlabs kept;
     const auto draw = [&](const ResolvedPicture& picture, KeptSlabs* keep, Jitter jitter = {}) {
         target.clear();
-        slabs.add({&on_device, &field, &values, picture}, picture.camera(), jitter, target, keep);
+        slabs.add({&on_device, &field, &values, &model, picture}, picture.camera(), jitter, target,
+                  keep);
         return target.read_floats();
     };
     const auto is_drawn_anew = [&](const ResolvedPicture& picture) {

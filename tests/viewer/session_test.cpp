@@ -316,7 +316,8 @@ TEST_F(view_command, quantities_are_the_command_lines) {
                  "show maximum\nvalues 0.1 1\nwait\npicture maximum.png\ndepth maximum.exr\n"
                  "show volume\nwait\n"
                  "points 0.1:0 0.5:0.2 0.9:0.7\nundo\nredo\nunit-distance 5\ntf hot\n"
-                 "save-tf look.json\nlight on\nclip -20 -20 -20 8 20 20\nwait\n"
+                 "save-tf look.json\nlight on\nshadows on\nocclusion on\nclip -20 -20 -20 8 20 "
+                 "20\nwait\n"
                  "picture volume.png\n"
                  "show T\ntf inferno\nexposure 0.05\nwait\npicture clipped.png\n");
         const auto render = [&](const std::string& options, const std::string& file) {
@@ -329,8 +330,10 @@ TEST_F(view_command, quantities_are_the_command_lines) {
         render("--show mean --field density --range 0.1,0.9 --tf viridis", "mean.png");
         render("--show deviation --field density --range 0,0.3 --tf viridis", "deviation.png");
         render("--show maximum --range 0.1,1 --tf viridis", "maximum.png");
-        render("--show volume --tf look.json --light head --clip=-20,-20,-20,8,20,20",
-               "volume.png");
+        render(
+            "--show volume --tf look.json --light head --shadows --ambient-occlusion "
+            "--clip=-20,-20,-20,8,20,20",
+            "volume.png");
         render("--extinction 0.05 --tf inferno --clip=-20,-20,-20,8,20,20", "clipped.png");
     }
 }

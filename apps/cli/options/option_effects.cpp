@@ -104,7 +104,8 @@ const std::vector<Row> kRows = {
     {"render", "--steps", "inputs", "several"},
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
-    {"", "--set.light-weights", "--light", "*"},
+    {"", "--set.light-weights", "--light --shadows --ambient-occlusion", "*"},
+    {"", "--light-from --set.scattering", "--shadows --light", "*"},
     {"", "--tf --range --scale", "--window", "-"},
     {"", "--tf --range --scale --window", "--band", "-"},
     {"", "--tf --range --scale --window", "--iso", "-"},
@@ -163,6 +164,12 @@ std::optional<std::string> value_of(const std::string& fact, const GivenOptions&
     if (!fact.starts_with("--")) {
         const auto found = facts.find(fact);
         return found == facts.end() ? std::nullopt : std::optional(found->second);
+    }
+    if (fact.find(' ') != fact.npos) {  // one of several options
+        std::optional<std::string> any;
+        for (const std::string& option : words(fact))
+            if (!any || *any == "-") any = command.value(option);
+        return any;
     }
     const std::optional<std::string> value = command.value(fact);
     const bool angles = fact == "--view" && value && value->find(',') != value->npos;
@@ -237,7 +244,7 @@ std::string refusal(const Row& row, const std::string& option, const std::string
     const std::string fact = row.fact;
     if (values == std::vector<std::string>{"-"})
         return fmt::format("{} and {} exclude each other", option, fact);
-    if (contains(values, "*")) return fmt::format("{} needs {}", option, fact);
+    if (contains(values, "*")) return fmt::format("{} needs {}", option, listed(words(fact)));
     std::erase(values, "-");
     if (actual == "-") return fmt::format("{} needs {}", option, spelled(fact, values, facts));
     return fmt::format("{} has no effect with {}; {}", option, spelled(fact, {actual}, facts),

@@ -15,9 +15,9 @@ namespace {
 
 /// Members that few pictures need: --set NAME=VALUE.
 bool is_setting(const std::string& key) {
-    static const std::set<std::string> keys{
-        "least_column", "light_weights", "kappa",         "aabb_sigma",
-        "step",         "anyhit",        "hits_per_slab", "stop_transmittance"};
+    static const std::set<std::string> keys{"least_column", "light_weights", "scattering",
+                                            "kappa",        "aabb_sigma",    "step",
+                                            "anyhit",       "hits_per_slab", "stop_transmittance"};
     return keys.contains(key);
 }
 
@@ -135,9 +135,10 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
     for (const RequestMember& member : request_schema()) {
         const bool general = member.group == "Quantity" || member.group == "Colour";
         const bool special = member.group == "Clipping" || member.shows.starts_with("volume");
-        // Maps of pages have the data's units, and show every pixel.
-        if (!(general || special) || member.key == "units" || member.key == "least_column")
-            continue;
+        // Maps of pages have the data's units, and show every pixel; their light meets no shadows.
+        static const std::set<std::string> no_page{"units",      "least_column",      "shadows",
+                                                   "light_from", "ambient_occlusion", "scattering"};
+        if (!(general || special) || no_page.contains(member.key)) continue;
         const OptionGroup grouped(command,
                                   general && !group.empty() ? group : spelled(member.group));
         add_option(command, words, member);

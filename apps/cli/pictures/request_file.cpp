@@ -42,7 +42,8 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
     // Another quantity has other values.
     if (words.has("show") || words.has("field"))
         drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance",
-              "units", "extinction", "light", "light_weights", "slabs"});
+              "units", "extinction", "light", "light_weights", "shadows", "light_from",
+              "ambient_occlusion", "scattering", "slabs"});
     if (words.has("window") || words.has("bands")) drop({"tf", "range", "scale"});
     if (words.has("window")) drop({"bands"});
     if (words.has("bands")) drop({"window"});

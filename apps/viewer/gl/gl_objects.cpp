@@ -124,13 +124,13 @@ void GlProgram::sample(std::initializer_list<std::pair<const char*, GLuint>> tex
     glActiveTexture(GL_TEXTURE0);
 }
 
-GlTexture make_texture() {
+GlTexture make_texture(GLenum target, GLenum filter) {
     GLuint name = 0;
     glGenTextures(1, &name);
     GlTexture texture(name);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    glBindTexture(target, texture);
+    for (const GLenum side : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        glTexParameteri(target, side, static_cast<GLint>(filter));
     return texture;
 }
 

@@ -82,8 +82,8 @@ class GlProgram {
     GLuint name_ = 0;
 };
 
-/// A new texture, whose pixels are read as they are.
-GlTexture make_texture();
+/// A new texture, whose pixels are read as they are; filter GL_LINEAR: with values between them.
+GlTexture make_texture(GLenum target = GL_TEXTURE_2D, GLenum filter = GL_NEAREST);
 
 /// Render target: textures of one size with a framebuffer, which can be read back.
 class GlTarget {

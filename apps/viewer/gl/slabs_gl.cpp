@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "render/by_value/lighting.h"
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_image.h"
 #include "vog/error.h"
@@ -20,6 +21,7 @@ constexpr std::size_t kMostKept = std::size_t{3} << 28;     // bytes of sums
 constexpr std::size_t kPixelBytes = 4 * 4 * sizeof(float);  // of a pass
 constexpr int kPieceColumns = 1024;                         // expected.glsl
 constexpr float kRounding = 4e-7f;                          // device::moments_of
+constexpr int kReachedUnit = 15;                            // of textures
 
 int slabs_a_pass(const GlVolume& volume) {
     return volume.picture.request.look.light ? kLitLayers : kLayers;
@@ -66,7 +68,8 @@ GlSlabs::GlSlabs()
       finish_programs_{{"screen.vert", kFinishShaders}, {"screen.vert", kFinishShaders, "LIT"}},
       no_vertices_(make_vertex_array()),
       pieces_(make_texture()),
-      table_(make_texture()) {}
+      table_(make_texture()),
+      reached_texture_(make_texture(GL_TEXTURE_3D, GL_LINEAR)) {}
 
 void GlSlabs::require_targets(const GlVolume& volume, int width, int height) {
     const auto require = [](std::optional<GlTarget>& target, GLenum format, int w, int h,
@@ -88,10 +91,9 @@ void GlSlabs::require_targets(const GlVolume& volume, int width, int height) {
 void GlSlabs::set_light(const GlVolume& volume) {
     if (volume.field->id() == lit_field_ && lit_transfer_ == *volume.transfer()) return;
     const ScalarField& values = *volume.values;
-    const by_value::LightOfMoments made(*volume.transfer(), by_value::value_range(values),
-                                        values.is_measure);
-    light_ = made.mean_light();
-    exact_ = !made.resolved();
+    const by_value::LightOfMoments& made = light_ = by_value::LightOfMoments(
+        *volume.transfer(), by_value::value_range(values), values.is_measure);
+    ++lights_;
     const auto upload = [](GLuint texture, int width, int height, const float* texels) {
         glBindTexture(GL_TEXTURE_2D, texture);
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, height, 0, GL_RGBA, GL_FLOAT, texels);
@@ -109,6 +111,28 @@ void GlSlabs::set_light(const GlVolume& volume) {
     upload(pieces_, kPieceColumns, static_cast<int>(3 * rows), texels.front().data());
     lit_field_ = volume.field->id();
     lit_transfer_ = *volume.transfer();
+}
+
+void GlSlabs::set_reached(const GlVolume& volume, const CameraFrame& frame) {
+    if (!reached_.update(lights_, {*volume.gaussians, *volume.values, light_},
+                         volume.picture.request.look, frame.forward))
+        return;
+    const device::LightLattice lattice = (*reached_).lattice();
+    if (!lattice.any()) return;
+    const auto count = static_cast<std::size_t>(lattice.size[0]) *
+                       static_cast<std::size_t>(lattice.size[1]) *
+                       static_cast<std::size_t>(lattice.size[2]);
+    std::vector<std::array<float, 3>> texels(count);
+    for (std::size_t n = 0; n < count; ++n)
+        texels[n] = {lattice.direct ? lattice.direct[n] : 1,
+                     lattice.ambient ? lattice.ambient[n] : 1, lattice.opaque[n]};
+    glActiveTexture(GL_TEXTURE0 + kReachedUnit);
+    glBindTexture(GL_TEXTURE_3D, reached_texture_);
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB16F, lattice.size[0], lattice.size[1], lattice.size[2], 0,
+                 GL_RGB, GL_FLOAT, texels.front().data());
+    for (const GLenum side : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+        glTexParameteri(GL_TEXTURE_3D, side, GL_CLAMP_TO_EDGE);
+    glActiveTexture(GL_TEXTURE0);
 }
 
 void GlSlabs::draw_screen() const {
@@ -176,9 +200,10 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
                          Jitter jitter, int first) const {
     const auto f = as_float;
     program.use();
-    program.set("piece_count", light_.pieces.count);
-    program.set("exact", exact_ ? 1 : 0);
-    program.set("columns", light_.low, light_.high, light_.per_range, light_.per_part);
+    const device::MeanLight light = light_.mean_light();
+    program.set("piece_count", light.pieces.count);
+    program.set("exact", light_.resolved() ? 0 : 1);
+    program.set("columns", light.low, light.high, light.per_range, light.per_part);
     program.set("unit", 1.0f);
     program.set("parts_per_cell", as_float(volume.slabs()) / device::kDepthCells);
     program.set("rounding", kRounding);
@@ -189,15 +214,33 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     const double lengths = frame.orthographic ? volume.model->unit() : 1;
     program.set("pixels_per_unit", f(lengths * frame.pixels_per_unit));
     program.set("parallel", frame.orthographic ? 1.0f : 0.0f);
-    const VolumeLook& look = volume.picture.request.look;
-    if (look.light)
-        program.set("lighting", f(look.ambient), f(look.diffuse), f(look.specular), f(look.power));
-    else
-        program.set("lighting", 0, 0, 0, 0);
-    const double steep = length(look.towards_light);
-    const Vec3d light = steep > 0 ? (1 / steep) * look.towards_light : Vec3d{};
+    const device::BlinnPhong look = by_value::blinn_phong(volume.picture.request.look);
+    program.set("lighting", f(look.ambient), f(look.diffuse), f(look.specular),
+                look.on ? f(look.power) : 0);
+    const Vec3d to{look.towards_light.x, look.towards_light.y, look.towards_light.z};
     program.set("towards_light",
-                Vec3d{dot(light, frame.right), dot(light, frame.up), dot(light, frame.forward)});
+                Vec3d{dot(to, frame.right), dot(to, frame.up), dot(to, frame.forward)});
+    const device::LightLattice lattice = (*reached_).lattice();
+    program.set("reached", kReachedUnit);
+    program.set("reaches", lattice.any() ? 1.0f : 0.0f);
+    if (!lattice.any()) return;
+    program.set("slabs", f(volume.slabs()));
+    const auto place = [&](Vec3d v) {
+        for (int axis = 0; axis < 3; ++axis) v[axis] *= lattice.per_edge / lattice.size[axis];
+        return v;
+    };
+    // Centres of texels lie half a cell from the faces.
+    const double half = 0.5 / lattice.per_edge;
+    program.set("reach_eye", place(frame.eye - Vec3d{lattice.first.x - half, lattice.first.y - half,
+                                                     lattice.first.z - half}));
+    const double unit = volume.model->unit();
+    program.set("reach_edge", f(1 / (lattice.per_edge * unit)));
+    const double towards = double{device::LightLattice::kTowardsLight} / lattice.per_edge;
+    program.set("reach_light",
+                place(towards * Vec3d{lattice.towards.x, lattice.towards.y, lattice.towards.z}));
+    program.set("reach_right", place(unit * frame.right));
+    program.set("reach_up", place(unit * frame.up));
+    program.set("reach_forward", place(unit * frame.forward));
 }
 
 void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first,
@@ -216,6 +259,7 @@ void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitte
         // Under what is in front.
         strip_->bind();
         set_finish(finish, volume, frame, jitter, first);
+        finish.set("first_slab", as_float((pass - 1) * in_pass));
         finish.sample({{"before_0", before->texture(0)},
                        {"before_1", before->texture(1)},
                        {"before_2", before->texture(2)},
@@ -225,7 +269,8 @@ void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitte
                        {"layer_2", layers.texture(2)},
                        {"layer_3", layers.texture(3)},
                        {"table", table_},
-                       {"pieces", pieces_}});
+                       {"pieces", pieces_},
+                       {"ranges", range_->texture()}});
         glEnable(GL_BLEND);
         glBlendEquation(GL_FUNC_ADD);
         glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);
@@ -240,7 +285,10 @@ void GlSlabs::add(const GlVolume& volume, const Camera& camera, Jitter jitter,
     if (volume.model->size() == 0) return;
     const CameraFrame frame = frame_of(camera, target.width(), target.height());
     require_targets(volume, frame.width, frame.height);
-    if (volume.transfer()) set_light(volume);
+    if (volume.transfer()) {
+        set_light(volume);
+        set_reached(volume, frame);
+    }
     const int rows = strip_->height(), strips = (frame.height + rows - 1) / rows;
     // Further sub-frames are drawn once the picture stands still: editing shows the first.
     if (!volume.transfer() || jitter.x != 0 || jitter.y != 0 ||

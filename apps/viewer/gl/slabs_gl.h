@@ -8,7 +8,7 @@
 
 #include "gl/field_gl.h"
 #include "quantity/quantity.h"
-#include "render/device/expected_light.h"
+#include "render/light/illumination.h"
 #include "vog/picture.h"
 
 namespace vog::viewer {
@@ -16,8 +16,9 @@ namespace vog::viewer {
 /// A model's field, and the picture by value that shows it.
 struct GlVolume {
     const GlModel* model = nullptr;
-    const GlField* field = nullptr;       ///< a scalar field of the model
-    const ScalarField* values = nullptr;  ///< the same, for the range of the data
+    const GlField* field = nullptr;        ///< a scalar field of the model
+    const ScalarField* values = nullptr;   ///< the same, for the range of the data
+    const Gaussians* gaussians = nullptr;  ///< the model
     const ResolvedPicture& picture;
 
     /// Null: the largest value is shown.
@@ -71,17 +72,20 @@ class GlSlabs {
                     const GlTarget* kept, bool draws);
     void set_finish(const GlProgram& program, const GlVolume& volume, const CameraFrame& frame,
                     Jitter jitter, int first) const;
+    /// Light that reaches the data.
+    void set_reached(const GlVolume& volume, const CameraFrame& frame);
     void draw_screen() const;
 
     GlProgram range_program_, copy_program_, mean_program_, largest_program_, copy_means_program_;
     GlProgram slab_programs_[2], finish_programs_[2];  ///< without and with light
     GlVertexArray no_vertices_;
-    GlTexture pieces_, table_;
+    GlTexture pieces_, table_, reached_texture_;
     std::optional<GlTarget> layers_, before_, range_, strip_, densest_;
     std::uint64_t lit_field_ = 0;  ///< field and transfer function of the light
     std::optional<ValueTransfer> lit_transfer_;
-    device::MeanLight light_{};  ///< without its arrays
-    bool exact_ = false;
+    by_value::LightOfMoments light_;
+    int lights_ = 0;  ///< counts them
+    lights::KeptIllumination reached_;
 };
 
 }  // namespace vog::viewer

@@ -59,6 +59,8 @@ constexpr Form kForms[] = {
     {"values", "a?nw", "values LOW HIGH [log] | values auto", -1e300, 1e300},
     {"clip", "o?nnnnn", "clip X0 Y0 Z0 X1 Y1 Z1 | clip off", -1e300, 1e300},
     {"light", "s", "light on|off"},
+    {"shadows", "s", "shadows on|off"},
+    {"occlusion", "s", "occlusion on|off"},
     {"points", "w*", "points VALUE:OPACITY..."},
     {"window", "nn", "window CENTER WIDTH", -1e300, 1e300},
     {"unit-distance", "n", "unit-distance LENGTH", 1e-300, 1e300},

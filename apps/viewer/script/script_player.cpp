@@ -344,6 +344,10 @@ bool ScriptPlayer::start_quantity(const Action& action, Stage& stage) {
         session.set_clip(box);
     } else if (action.verb == "light") {
         session.quantity.look.light = on(w[0]);
+    } else if (action.verb == "shadows") {
+        session.set_shadows(on(w[0]));
+    } else if (action.verb == "occlusion") {
+        session.quantity.look.occlusion = on(w[0]);
     } else if (action.verb == "zup") {
         session.set_z_up(on(w[0]));
     } else if (action.verb == "unit-distance" || action.verb == "points" ||

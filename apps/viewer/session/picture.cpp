@@ -83,9 +83,9 @@ void ProgressivePicture::add_sums(const Gaussians& gaussians, GlModelFields& on_
         return gl.fields.add(on_device.model(), field, camera, jitter, request.options.clip,
                              *target_);
     if (!gl.slabs) gl.slabs.emplace();
-    gl.slabs->add(
-        {&on_device.model(), field, gaussians.fields.find_scalar(picture.field.field), picture},
-        camera, jitter, *target_, &kept_);
+    gl.slabs->add({&on_device.model(), field, gaussians.fields.find_scalar(picture.field.field),
+                   &gaussians, picture},
+                  camera, jitter, *target_, &kept_);
 }
 
 void ProgressivePicture::update_gl(int subframes, GlRenderers& gl) {

@@ -128,6 +128,8 @@ class Session {
     void set_scale(const ColorScale& scale);
     /// The scale that fits the present picture; of volume the transfer function that the field begins with.
     void automatic_scale();
+    /// Shadows of the light, which lies at the upper left of this view unless it has a direction.
+    void set_shadows(bool on);
     /// Another transfer function of values.
     /// throws  vog::Error as validate does
     void set_values(ValueTransfer transfer);

@@ -103,6 +103,13 @@ void Session::set_scale(const ColorScale& wanted) {
     scale_open_ = false;
 }
 
+void Session::set_shadows(bool on) {
+    VolumeLook& light = quantity.look;
+    light.shadows = on;
+    if (on && !light.light && light.towards_light == Vec3d{})
+        light.towards_light = studio_light(camera);
+}
+
 void Session::automatic_scale() {
     if (quantity.show == Show::volume) {
         values_of_.clear();

@@ -67,7 +67,15 @@ void edit_light(Session& session, Gui& gui) {
     mark(gui, "light");
     if (ImGui::IsItemHovered())
         ImGui::SetTooltip("Shading by the gradient of the values, from the eye");
-    if (!look.light) return;
+    bool shadows = look.shadows;
+    if (ImGui::Checkbox("shadows", &shadows)) session.set_shadows(shadows);
+    mark(gui, "shadows");
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Light is absorbed on its way; first from the upper left of this view");
+    ImGui::Checkbox("ambient occlusion", &look.occlusion);
+    mark(gui, "ambient occlusion");
+    if (look.shadows) ImGui::SliderInt("scattering", &look.octaves, 1, kMostOctaves / 2);
+    if (!look.light && !look.shadows && !look.occlusion) return;
     const auto weight = [&](const char* name, double& value, double most) {
         auto shown = static_cast<float>(value);
         if (ImGui::SliderFloat(name, &shown, 0, static_cast<float>(most), "%.2f"))
@@ -75,7 +83,8 @@ void edit_light(Session& session, Gui& gui) {
     };
     weight("ambient", look.ambient, 1);
     weight("diffuse", look.diffuse, 1);
-    weight("specular", look.specular, 1);
+    if (look.light) weight("specular", look.specular, 1);
+    if (!look.light && !look.shadows) return;
     bool at_eye = length(look.towards_light) == 0;
     if (ImGui::Checkbox("from the eye", &at_eye))
         look.towards_light = at_eye ? Vec3d{} : Vec3d{0.5, 1, 0.5};

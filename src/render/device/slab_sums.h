@@ -22,7 +22,8 @@ struct SlabPicture {
     const uint32_t* range;     ///< [2] of depths: order_of(-near), order_of(far)
     MeanLight light;
     BlinnPhong look;
-    float most_share;   ///< of a maximum: largest share per density, per scene unit of depth
+    LightLattice lattice;  ///< scene units
+    float most_share;      ///< of a maximum: largest share per density, per scene unit of depth
     float least_share;  ///< and of the largest density on the ray, below which means do not count
     float*
         colors;  ///< [height * width][4] premultiplied colour and alpha; maximum: the share, -1: none
@@ -161,7 +162,7 @@ VOG_HD void include(const float* sum, const SlabPicture& p, const RaySlabs& slab
 struct SlabsOfRay {
     RaySlabs slabs;
     float slant;
-    Double3 towards_eye;
+    LitRay ray;
     SlabLine line;
     LargestMean largest;
 
@@ -174,19 +175,24 @@ struct SlabsOfRay {
         if (p.channels == kMaximumChannels)
             include(sum, p, slabs, slant, sweep == 1, largest);
         else
-            line.add(p.light, p.look, moments_of(sum, p.channels == kLitChannels), towards_eye);
+            line.add(p.light, ray, moments_of(sum, p.channels == kLitChannels));
     }
     /// Writes a pixel when all slabs are taken.
     VOG_HD void write(const SlabPicture& p, uint32_t pixel) {
         float* out = p.colors + 4 * static_cast<uint64_t>(pixel);
         const bool maximum = p.channels == kMaximumChannels;
-        if (!maximum) line.add(p.light, p.look, empty_line().own, towards_eye);  // the last one
+        if (!maximum) line.add(p.light, ray, empty_line().own);  // the last one
         for (int n = 0; n < 3; ++n) out[n] = maximum ? largest.largest : line.seen.color[n];
         out[3] = 1 - line.seen.passed;
     }
 };
 VOG_HD SlabsOfRay slabs_of_ray(const SlabPicture& p, const ChordRay& ray) {
-    return {ray_slabs(p, ray), ray.slant, -1.0 * ray.ray.direction, empty_line(), {0, -1}};
+    const RaySlabs slabs = ray_slabs(p, ray);
+    const Double3& along = ray.ray.direction;
+    const double thickness = slabs.thickness, front = slabs.front;
+    const LitRay lit{p.look, p.lattice, -1.0 * along,
+                     ray.ray.origin + (front + 0.5 * thickness) * along, thickness * along};
+    return {slabs, ray.slant, lit, empty_line(), {0, -1}};
 }
 
 }  // namespace vog::device

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "render/device/expected_light.h"
-#include "render/device/shading.h"
+#include "render/device/light/shading.h"
 
 namespace vog::device {
 
@@ -77,12 +77,11 @@ VOG_HD float seen_share(float high, float low, float of_high) {
     return -logf(fmaxf(passed, 1e-30f)) / mean;
 }
 
-/// Mean light per unit of tau, shaded.
-/// m            tau > 0
-/// division     of the part that has parts_per_cell: how many of these it would take
-/// towards_eye  unit length
-VOG_HD void light_of(const MeanLight& light, const BlinnPhong& look, const ValueMoments& m,
-                     float division, Double3 towards_eye, float out[4]) {
+/// Mean light per unit of tau.
+/// m         tau > 0
+/// division  of the part that has parts_per_cell: how many of these it would take
+VOG_HD void mean_light_of(const MeanLight& light, const ValueMoments& m, float division,
+                          float out[4]) {
     const NormalPair pair = normal_pair(m);
     float low[4];
     light.light(pair.high, pair.high_variance, out);
@@ -90,8 +89,13 @@ VOG_HD void light_of(const MeanLight& light, const BlinnPhong& look, const Value
     const float cell = m.tau * light.parts_per_cell * division;
     const float seen = seen_share(out[3] * cell, low[3] * cell, pair.of_high);
     for (int c = 0; c < 4; ++c) out[c] = seen * (low[c] + pair.of_high * (out[c] - low[c]));
-    if (!look.on) return;
-    const Shading by = look.shading(to_double(m.gradient), towards_eye);
+}
+/// Shades mean light.
+/// towards_eye  unit length
+/// reached      at the part
+VOG_HD void shade(const BlinnPhong& look, const ValueMoments& m, Double3 towards_eye,
+                  ReachedLight reached, float out[4]) {
+    const Shading by = look.shading(to_double(m.gradient), towards_eye, reached);
     const float body = static_cast<float>(by.body), shine = static_cast<float>(by.shine);
     for (int c = 0; c < 3; ++c) out[c] = fminf(body * out[c] + shine * out[3], out[3]);
 }
@@ -119,7 +123,7 @@ constexpr float kSurfaceDepth = 0.2f, kSurfaceShare = 0.5f;
 /// How far the steps go towards the neighbours; not above 0: no steps. All the way at twice those, so that pictures have
 /// no edge where they are passed.
 /// trend  trend_between() of the neighbour that has more
-/// lit    by depth alone: normals change from slab to slab where means do not
+/// lit    by depth alone: normals and light change from slab to slab where means do not
 VOG_HD float division_of(float depth, float trend, float variance, bool lit) {
     const float sloped = lit ? 2 : trend / fmaxf(kSurfaceShare * variance, 1e-12f);
     return fminf(fminf(depth / kSurfaceDepth, sloped) - 1, 1.0f);
@@ -149,15 +153,39 @@ VOG_HD ValueMoments step_between(const ValueMoments& own, const ValueMoments& be
             of * other.third + left * own.third, share * other.gradient + rest * own.gradient};
 }
 
+/// A ray through slabs, and the light that reaches them.
+struct LitRay {
+    BlinnPhong look;
+    LightLattice lattice;
+    Double3 towards_eye;   ///< unit length
+    Double3 middle, step;  ///< of the first slab, and from slab to slab
+
+    /// Mean light of a slab, or of one of its parts, shaded.
+    /// slab   place of its middle
+    /// parts  of a slab
+    VOG_HD void light_of(const MeanLight& light, const ValueMoments& m, float slab, float parts,
+                         float out[4]) const {
+        mean_light_of(light, m, parts, out);
+        if (!lattice.any()) {
+            if (look.on) shade(look, m, towards_eye, {}, out);
+            return;
+        }
+        shade(look, m, towards_eye,
+              lattice.at(middle + static_cast<double>(slab) * step, towards_eye), out);
+    }
+};
+
 /// Composites a slab between its neighbours, behind those before.
-VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const ValueMoments& own,
-                           const ValueMoments& before, const ValueMoments& behind,
-                           Double3 towards_eye, SeenLight& seen) {
+VOG_HD void composite_slab(const MeanLight& light, const LitRay& ray, int32_t slab,
+                           const ValueMoments& own, const ValueMoments& before,
+                           const ValueMoments& behind, SeenLight& seen) {
     if (!(own.tau > 0) || seen.passed < kDarkTransmittance) return;
     float color[4];
-    light_of(light, look, own, 1, towards_eye, color);
+    const float at = static_cast<float>(slab);
+    ray.light_of(light, own, at, 1, color);
     const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
-    const float division = division_of(color[3] * own.tau, trend, own.variance, look.on);
+    const float division =
+        division_of(color[3] * own.tau, trend, own.variance, ray.look.on || ray.lattice.any());
     if (!(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;
@@ -169,7 +197,8 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
     for (int32_t k = 0; k < kSurfaceSteps && seen.passed >= kDarkTransmittance; ++k) {
         ValueMoments step = step_between(own, before, behind, division, k);
         step.tau *= scale, step.mean += shift;
-        light_of(light, look, step, kSurfaceSteps, towards_eye, color);
+        const float of_slab = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
+        ray.light_of(light, step, at + of_slab, kSurfaceSteps, color);
         composite(color, step.tau, seen);
     }
 }
@@ -178,16 +207,16 @@ VOG_HD void composite_slab(const MeanLight& light, const BlinnPhong& look, const
 struct SlabLine {
     ValueMoments before, own;
     SeenLight seen;
+    int32_t slab;  ///< of `own`
 
-    VOG_HD void add(const MeanLight& light, const BlinnPhong& look, const ValueMoments& behind,
-                    Double3 towards_eye) {
-        composite_slab(light, look, own, before, behind, towards_eye, seen);
-        before = own, own = behind;
+    VOG_HD void add(const MeanLight& light, const LitRay& ray, const ValueMoments& behind) {
+        composite_slab(light, ray, slab, own, before, behind, seen);
+        before = own, own = behind, ++slab;
     }
 };
 VOG_HD SlabLine empty_line() {
     const ValueMoments nothing{0, 0, 0, 0, {0, 0, 0}};
-    return {nothing, nothing, {{0, 0, 0}, 1}};
+    return {nothing, nothing, {{0, 0, 0}, 1}, -1};
 }
 
 }  // namespace vog::device

@@ -202,6 +202,9 @@ class GpuVoxelPictures : public SourceRenderer {
     void volume(const ResolvedPicture& picture, VolumeImage& image,
                 const Progress& progress) override {
         const PictureRequest& request = picture.request;
+        if (request.look.shadows || request.look.occlusion)
+            throw RequestError(request.look.shadows ? "shadows" : "ambient_occlusion",
+                               " of voxels needs `renderer` reference");
         image = prepared(picture.field.field)
                     .volume(picture.chosen.transfer, picture.camera(), request.width,
                             request.height, reference_options(request), look_of(picture));

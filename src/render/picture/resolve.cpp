@@ -183,6 +183,14 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     if (!request.camera)
         request.camera = default_view(request.marks.axes ? with_axes(scene.subject) : scene.subject,
                                       request.width, request.height);
+    VolumeLook& look = request.look;
+    if (look.studio) {
+        look.shadows = look.occlusion = true;
+        look.octaves = std::max(look.octaves, kStudioOctaves);
+        look.studio = false;
+    }
+    if (look.shadows && !look.light && look.towards_light == Vec3d{})
+        look.towards_light = studio_light(*request.camera);
     const Show show = request.show;
     const Units& units = scene.subject.content.units;
     picture.name = show == Show::depth ? "T" : scene.column;

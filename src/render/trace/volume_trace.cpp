@@ -9,6 +9,7 @@
 #include "render/by_value/lighting.h"
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_field.h"
+#include "render/light/illumination.h"
 #include "render/pixel_tiles.h"
 #include "render/shown_field.h"
 #include "render/trace/small_gaussians.h"
@@ -41,10 +42,16 @@ struct Splatted {
     double depth;  ///< tau, units of depth
 };
 
+/// Ray of a pixel, world units relative to the model's origin.
+struct WorldRay {
+    Vec3d origin, direction;  ///< direction of unit length
+};
+
 /// Sums of equal steps along a ray; empty: nothing is on it.
 struct RaySteps {
     std::vector<MomentSums> sums;
-    double length = 0;  ///< of a step, world units
+    double first = 0,
+           length = 0;  ///< start of the first step along the ray, and length of each, world units
 };
 
 /// What all rays of a picture share.
@@ -172,7 +179,7 @@ RaySteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
         add(step_of(depth_of(point, ray)), point.depth,
             range.share(double{field.value[point.index]}), within, gradient(point.index));
     }
-    return {std::move(sums), length * model.unit};
+    return {std::move(sums), start * model.unit, length * model.unit};
 }
 
 /// Depth of a cell of a picture (device::kDepthCells), world units.
@@ -190,14 +197,18 @@ double cell_depth(const Gaussians& gaussians, const CameraFrame& frame, double c
 /// Emission and absorption, front to back, by the closed form of mean light.
 /// cell  length of a cell on the ray, world units
 Rgba composited(const RaySteps& steps, device::MeanLight light, const device::BlinnPhong& look,
-                double cell, device::Double3 towards_eye) {
+                const device::LightLattice& lattice, double cell, const WorldRay& ray) {
     device::SeenLight seen{{0, 0, 0}, 1};
+    device::LitRay lit{
+        look, lattice, plain(-ray.direction), {}, plain(steps.length * ray.direction)};
     if (steps.length > 0) light.parts_per_cell = static_cast<float>(cell / steps.length);
-    for (const MomentSums& sums : steps.sums) {
-        if (!(sums.tau > 0)) continue;
-        const device::ValueMoments moments = sums.moments();
+    for (std::size_t n = 0; n < steps.sums.size(); ++n) {
+        if (!(steps.sums[n].tau > 0)) continue;
+        const device::ValueMoments moments = steps.sums[n].moments();
+        const double at = steps.first + (double(n) + 0.5) * steps.length;
         float color[4];
-        device::light_of(light, look, moments, 1, towards_eye, color);
+        lit.middle = plain(ray.origin + at * ray.direction);
+        lit.light_of(light, moments, 0, 1, color);
         device::composite(color, moments.tau, seen);
     }
     return {seen.color[0], seen.color[1], seen.color[2], 1 - seen.passed};
@@ -224,7 +235,7 @@ struct TracedPicture {
     const VolumeLook& look;
 };
 
-/// Calls draw(pixel, steps) for each pixel with something on its ray.
+/// Calls draw(pixel, steps, ray) for each pixel with something on its ray.
 template <class Draw>
 void trace_sums(const Gaussians& gaussians, const ScalarField& values, const TracedPicture& picture,
                 const Draw& draw) {
@@ -275,7 +286,7 @@ void trace_sums(const Gaussians& gaussians, const ScalarField& values, const Tra
                 shown.push_back(point);
         draw(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
                  static_cast<std::size_t>(column),
-             all.steps(ray, hits, shown), vec(ray.direction));
+             all.steps(ray, hits, shown), {model.unit * vec(ray.origin), vec(ray.direction)});
     });
 }
 
@@ -294,12 +305,14 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
     device::MeanLight light = made.mean_light();
     light.table = nullptr;
     const device::BlinnPhong shading = blinn_phong(look);
+    const lights::Illumination reached =
+        lights::illumination({gaussians, values, made}, look, frame.forward);
+    const device::LightLattice lattice = reached.lattice(gaussians.origin);
     const double cell = cell_depth(gaussians, frame, double{gaussians.cutoff});
     trace_sums(gaussians, values, {camera, width, height, options, scene, look},
-               [&](std::size_t pixel, const RaySteps& steps, Vec3d direction) {
-                   image.pixel[pixel] =
-                       composited(steps, light, shading, cell / dot(direction, frame.forward),
-                                  plain(-1.0 * direction));
+               [&](std::size_t pixel, const RaySteps& steps, const WorldRay& ray) {
+                   image.pixel[pixel] = composited(steps, light, shading, lattice,
+                                                   cell / dot(ray.direction, frame.forward), ray);
                });
     return image;
 }
@@ -316,7 +329,7 @@ ValueMap render_maximum_trace(const Gaussians& gaussians, const std::string& fie
     map.value.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
                      std::numeric_limits<float>::quiet_NaN());
     trace_sums(gaussians, values, {camera, width, height, options, scene, look},
-               [&](std::size_t pixel, const RaySteps& steps, Vec3d) {
+               [&](std::size_t pixel, const RaySteps& steps, const WorldRay&) {
                    if (const double share = largest_share(steps, most_share_per_density(values));
                        share >= 0)
                        map.value[pixel] = value_of_share(values, share);

@@ -15,8 +15,15 @@ uniform vec2 size_px, jitter_px;
 uniform float first_row;        // of the image, in the target's row 0
 uniform float pixels_per_unit;
 uniform float parallel;         // 1: parallel rays
-uniform vec4 lighting;          // ambient, diffuse, specular, power; no light: power 0
+uniform vec4 lighting;          // ambient, diffuse, specular, power; no surfaces: power 0
 uniform vec3 towards_light;     // along right, up and forward; 0: the eye
+uniform highp sampler2D ranges; // of all depths: minus the least, the largest
+uniform highp sampler3D reached;  // shares of the light from its direction and of ambient light that arrive; opaqueness
+uniform float reaches;          // 1: `reached` is there; 0: all light arrives
+uniform vec3 reach_light;       // change of its coordinates towards the light
+uniform vec3 reach_eye, reach_right, reach_up, reach_forward;  // its coordinates at the eye, and their change along the camera's axes
+uniform float reach_edge;       // of a cell
+uniform float slabs, first_slab;  // first_slab: of before_0
 
 layout(location = 0) out vec4 color;
 
@@ -79,18 +86,34 @@ vec4 mean_light(Moments m, float slant) {
     return seen(normal_light(means.y, variance.y), normal_light(means.x, variance.x), 0.5 * (1.0 - u / root), cell);
 }
 
-// Blinn and Phong's shading (render/device/shading.h), along the camera's axes; at most what is absorbed.
-vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye) {
+// LightLattice of render/device/light/light_lattice.h, in the middle of a slab or of one of its parts.
+vec3 reached_at(float depth, vec3 along) {
+    vec2 side = parallel == 1.0 ? along.xy : depth * along.xy;
+    return reach_eye + depth * reach_forward + side.x * reach_right + side.y * reach_up;
+}
+vec2 reached_in(float slab, vec3 along) {
+    if (reaches == 0.0) return vec2(1.0);
+    vec2 range = texelFetch(ranges, ivec2(0), 0).xy;
+    float depth = (range.x + range.y) / slabs * (slab + 0.5) - range.x;
+    float opaque = textureLod(reached, reached_at(depth, along), 0.0).z, towards_eye = 2.0 * reach_edge / (parallel == 1.0 ? 1.0 : length(along));
+    return textureLod(reached, reached_at(depth - opaque * towards_eye, along) + opaque * reach_light, 0.0).xy;
+}
+
+// Blinn and Phong's shading (render/device/light/shading.h), along the camera's axes; at most what is absorbed.
+vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye, vec2 arrives) {
     float steepness = length(gradient);
-    if (lighting.w == 0.0 || !(steepness > 0.0)) return light;
+    if (lighting.w == 0.0 || !(steepness > 0.0)) {
+        float whole = lighting.x + lighting.y;
+        return reaches == 0.0 || !(whole > 0.0) ? light : vec4(dot(lighting.yx, arrives) / whole * light.rgb, light.a);
+    }
     vec3 normal = gradient / steepness;
     if (dot(normal, towards_eye) < 0.0) normal = -normal;
     vec3 to = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
     float facing = max(dot(normal, to), 0.0);
     vec3 between = to + towards_eye;
     float mirrored = facing > 0.0 ? clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0.0;
-    float shine = mirrored > 0.0 ? lighting.z * pow(mirrored, lighting.w) : 0.0;
-    return vec4(min((lighting.x + lighting.y * facing) * light.rgb + shine * light.a, light.a), light.a);
+    float shine = mirrored > 0.0 ? arrives.x * lighting.z * pow(mirrored, lighting.w) : 0.0;
+    return vec4(min((arrives.y * lighting.x + arrives.x * lighting.y * facing) * light.rgb + shine * light.a, light.a), light.a);
 }
 
 void composite(vec4 light, float tau) {
@@ -115,13 +138,14 @@ Moments step_between(Moments own, Moments other, float division, float at) {
                    mix(own.third, other.third, of), share * other.gradient + rest * own.gradient);
 }
 
-void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, float slant) {
+// along  the slope of the ray, or the place of a parallel one; forward 1
+void add_slab(float slab, Moments own, Moments before, Moments behind, vec3 along, vec3 towards_eye, float slant) {
     if (!(own.tau > 0.0)) return;
-    vec4 light = unit * shaded(mean_light(own, slant), own.gradient, towards_eye);
+    vec4 light = unit * shaded(mean_light(own, slant), own.gradient, towards_eye, reached_in(slab, along));
 #ifdef LIT
     float sloped = 2.0;  // by depth alone: normals change where means do not
 #else
-    float sloped = max(trend_between(own, before), trend_between(own, behind)) / max(kSurfaceShare * own.variance, 1e-12);
+    float sloped = reaches == 1.0 ? 2.0 : max(trend_between(own, before), trend_between(own, behind)) / max(kSurfaceShare * own.variance, 1e-12);
 #endif
     float division = min(min(light.a * own.tau * slant / kSurfaceDepth, sloped) - 1.0, 1.0);
     if (!(division > 0.0)) {
@@ -140,7 +164,8 @@ void add_slab(Moments own, Moments before, Moments behind, vec3 towards_eye, flo
     for (int k = 0; k < kSteps; ++k) {
         Moments m = steps[k];
         m.mean += own.mean - first / whole, m.tau *= own.tau / whole;
-        composite(unit * shaded(mean_light(m, float(kSteps) * slant), m.gradient, towards_eye), m.tau * slant);
+        float of_slab = slab + (float(k) + 0.5) / float(kSteps) - 0.5;
+        composite(unit * shaded(mean_light(m, float(kSteps) * slant), m.gradient, towards_eye, reached_in(of_slab, along)), m.tau * slant);
     }
 }
 
@@ -162,5 +187,6 @@ void main() {
     slab[6] = moments_of(texelFetch(layer_2, at, 0), vec3(0.0)), slab[7] = moments_of(texelFetch(layer_3, at, 0), vec3(0.0));
 #endif
     color = vec4(0.0);
-    for (int n = kSlabs - 1; n < 2 * kSlabs - 1; ++n) add_slab(slab[n], slab[n - 1], slab[n + 1], -along / slant, slant);
+    for (int n = kSlabs - 1; n < 2 * kSlabs - 1; ++n)
+        add_slab(first_slab + float(n), slab[n], slab[n - 1], slab[n + 1], vec3(slope, 1.0), -along / slant, slant);
 }

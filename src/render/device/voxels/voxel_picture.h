@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/device/half_space.h"
-#include "render/device/shading.h"
+#include "render/device/light/shading.h"
 #include "render/device/voxels/value_table.h"
 
 namespace vog::device {

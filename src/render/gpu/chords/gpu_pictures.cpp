@@ -231,13 +231,28 @@ void GpuPictures::State::load_values(const ScalarField& field) {
 void GpuPictures::State::load_light(const ScalarField& field, const ValueTransfer& transfer) {
     if (light_of && light_of->first == field.name && light_of->second == transfer) return;
     light_of.reset();  // in case of an error
-    const LightOfMoments made(transfer, value_range(field), field.is_measure, model.depth_unit);
-    light = made.mean_light();
-    pieces = GpuArray(made.pieces(), "the transfer function");
-    table = GpuArray(made.table(), "means of the transfer function");
+    made_light = LightOfMoments(transfer, value_range(field), field.is_measure, model.depth_unit);
+    ++lights_made;
+    light = made_light.mean_light();
+    pieces = GpuArray(made_light.pieces(), "the transfer function");
+    table = GpuArray(made_light.table(), "means of the transfer function");
     light.pieces.piece = pieces.data();
     if (light.table) light.table = table.data();
     light_of.emplace(field.name, transfer);
+}
+
+device::LightLattice GpuPictures::State::load_reached(const ScalarField& field,
+                                                      const VolumeLook& look, Vec3d forward) {
+    if (reached.update(lights_made, {gaussians, field, made_light, model.depth_unit}, look,
+                       forward)) {
+        direct = GpuArray((*reached).direct(), "shadows");
+        ambient = GpuArray((*reached).ambient(), "ambient occlusion");
+        opaque = GpuArray((*reached).opaque(), "opaque cells");
+    }
+    device::LightLattice lattice = (*reached).lattice(model.origin, model.unit);
+    lattice.direct = direct.data(), lattice.ambient = ambient.data();
+    lattice.opaque = opaque.data();
+    return lattice;
 }
 
 void GpuPictures::State::draw_slabs(const ScalarField& field, const ValueTransfer* by,
@@ -253,7 +268,10 @@ void GpuPictures::State::draw_slabs(const ScalarField& field, const ValueTransfe
     picture.slabs.channels = !by          ? device::kMaximumChannels
                              : look.light ? device::kLitChannels
                                           : device::kUnlitChannels;
-    if (by) picture.slabs.light = light;
+    if (by) {
+        picture.slabs.light = light;
+        picture.slabs.lattice = load_reached(field, look, frame.forward);
+    }
     picture.slabs.light.parts_per_cell = static_cast<float>(slabs) / device::kDepthCells;
     picture.slabs.look = blinn_phong(look);
     picture.slabs.most_share = static_cast<float>(most_share_per_density(field) / model.unit);

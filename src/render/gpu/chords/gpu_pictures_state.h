@@ -12,6 +12,7 @@
 #include "render/gpu/cuda_memory.h"
 #include "render/gpu/cuda_passes.h"
 #include "render/gpu/sums/sums_memory.h"
+#include "render/light/illumination.h"
 #include "render/shown_field.h"
 #include "render/trace/trace_model.h"
 
@@ -35,8 +36,12 @@ struct GpuPictures::State {
     std::optional<std::string> values_field;  ///< whose `splat_values` are
     gpu::GpuArray<device::LightPiece> pieces;
     gpu::GpuArray<float> table;
+    by_value::LightOfMoments made_light;
     device::MeanLight light{};                                      ///< of `pieces` and `table`
     std::optional<std::pair<std::string, ValueTransfer>> light_of;  ///< field and transfer function
+    int lights_made = 0;
+    lights::KeptIllumination reached;
+    gpu::GpuArray<float> direct, ambient, opaque;  ///< of `reached`
     gpu::GpuTimer timer;
 
     State(Renderer by, const Gaussians& of, trace::TraceModel packed_model)
@@ -52,6 +57,8 @@ struct GpuPictures::State {
     device::ChordPicture begin(const CameraFrame& frame, const Clipping& clip);
     void load_values(const ScalarField& field);
     void load_light(const ScalarField& field, const ValueTransfer& transfer);
+    device::LightLattice load_reached(const ScalarField& field, const VolumeLook& look,
+                                      Vec3d forward);
     /// Projects the model and draws; the result is [floats a pixel] in `result`.
     void draw(device::ChordPicture picture);
     /// Draws a model that is not empty; the result is column, or column, mean and deviation in the unit of the shown field.

@@ -58,7 +58,12 @@ void require_effects(const PictureRequest& request) {
         *request.renderer != Renderer::optix)
         refuse_beside("aabb_sigma", fmt::format("on show '{}' with renderer '{}'", show,
                                                 info_of(*request.renderer).name));
-    if (!request.look.light) refuse_beside("light_weights", "without light");
+    const VolumeLook& look = request.look;
+    if (!look.light && !look.studio && !look.shadows && !look.occlusion)
+        refuse_beside("light_weights", "without `light`, `shadows` or `ambient_occlusion`");
+    if (!look.shadows && !look.studio)
+        for (const char* key : {"light_from", "scattering"})
+            refuse_beside(key, "without `shadows`");
     if (request.renderer) require_renderer_effects(request, *request.renderer, {});
 }
 

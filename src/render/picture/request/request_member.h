@@ -111,6 +111,7 @@ Values transfer_values();
 Values bands_values();
 Values background_values();
 Values light_values();
+Values light_from_values();
 Values weights_values();
 Values box_values();
 Values planes_values();

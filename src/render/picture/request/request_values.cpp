@@ -98,14 +98,30 @@ Rgba color_of(const std::string& key, const Json& value) {
 }
 
 Json light_json(const VolumeLook& look) {
+    if (look.studio) return "studio";
     if (!look.light) return {};
     const Vec3d& to = look.towards_light;
     return to == Vec3d{} ? Json("head") : Json{to.x, to.y, to.z};
 }
 void set_light(const std::string& key, const Json& value, VolumeLook& look) {
-    const std::string expected = "head or a direction x,y,z";
-    look.light = !value.is_null(), look.towards_light = {};
-    if (value.is_null() || value == "head") return;
+    const std::string expected = "head, studio or a direction x,y,z";
+    look.studio = value == "studio", look.towards_light = {};
+    look.light = !value.is_null() && !look.studio;
+    if (!look.light || value == "head") return;
+    const std::vector<double> to = row(key, value, 3, expected);
+    look.towards_light = {to[0], to[1], to[2]};
+    if (look.towards_light == Vec3d{}) refuse(key, value, expected);
+}
+
+/// Of shadows alone: the direction of a light with shading is the light's.
+Json light_from_json(const VolumeLook& look) {
+    const Vec3d& to = look.towards_light;
+    return look.light || to == Vec3d{} ? Json() : Json{to.x, to.y, to.z};
+}
+void set_light_from(const std::string& key, const Json& value, VolumeLook& look) {
+    if (value.is_null()) return;
+    if (look.light) throw RequestError(key, " has no effect beside `light`, which has a direction");
+    const std::string expected = "a direction x,y,z";
     const std::vector<double> to = row(key, value, 3, expected);
     look.towards_light = {to[0], to[1], to[2]};
     if (look.towards_light == Vec3d{}) refuse(key, value, expected);
@@ -217,6 +233,10 @@ Values background_values() {
 Values light_values() {
     return {[](const Request& r) { return light_json(r.look); },
             [](auto& key, auto& value, Request& r) { set_light(key, value, r.look); }};
+}
+Values light_from_values() {
+    return {[](const Request& r) { return light_from_json(r.look); },
+            [](auto& key, auto& value, Request& r) { set_light_from(key, value, r.look); }};
 }
 Values weights_values() {
     return {[](const Request& r) { return weights_json(r.look); },

@@ -31,7 +31,7 @@ class LinearVolume {
         return transpose(density_.data().local_from_world) * sample.gradient;
     }
 
-    /// Calls visit(Sample, dt) at the middles of equal steps of the ray, front to back, wherever an active voxel is near,
+    /// Calls visit(Sample, t, dt) at the middles of equal steps of the ray, front to back, wherever an active voxel is near,
     /// until it returns false.
     template <class Visit>
     void walk(Vec3d origin, Vec3d direction, Segment within, Visit&& visit) const {
@@ -75,14 +75,15 @@ class LinearVolume {
                 weighted.emplace(block_of(of.parts_->weighted)),
                     weight.emplace(block_of(of.parts_->weight));
             for (; k < end && goes_on; ++k) {
-                const Vec3d point =
-                    ray.origin + (steps.start + (k + 0.5) * steps.spacing) * ray.direction;
+                const double t = steps.start + (k + 0.5) * steps.spacing;
+                const Vec3d point = ray.origin + t * ray.direction;
                 const Block::Cell at = density.at(point);
                 if (!of.parts_) {
                     const double value = at.value();
-                    goes_on = visit(Sample{value, value, at.gradient()}, steps.spacing);
+                    goes_on = visit(Sample{value, value, at.gradient()}, t, steps.spacing);
                 } else if (const Block::Cell near = weight->at(point); near.value() > 0) {
-                    goes_on = visit(of.mean(at.value(), weighted->at(point), near), steps.spacing);
+                    goes_on =
+                        visit(of.mean(at.value(), weighted->at(point), near), t, steps.spacing);
                 }
             }
         }

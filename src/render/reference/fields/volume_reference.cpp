@@ -7,6 +7,7 @@
 
 #include "render/by_value/lighting.h"
 #include "render/by_value/value_pieces.h"
+#include "render/light/illumination.h"
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/linear_volume.h"
@@ -24,78 +25,115 @@ using namespace reference;
 
 namespace {
 
+/// Ray of a pixel.
+struct WorldRay {
+    Vec3d origin, direction;
+    double stretch;     ///< world units of one t
+    Vec3d towards_eye;  ///< unit length
+
+    WorldRay(Vec3d from, Vec3d along)
+        : origin(from),
+          direction(along),
+          stretch(length(along)),
+          towards_eye((-1 / stretch) * along) {}
+};
+
 /// Light of a voxel: extinction per world unit and colour.
 class VoxelLight {
   public:
-    VoxelLight(const ValueTransfer& transfer, const VolumeLook& look)
-        : pieces_(transfer), lighting_(look) {}
-    /// towards_eye  unit length
-    ValueLight operator()(const FieldGrid& grid, const FieldCell& cell, Vec3d towards_eye) const {
-        return lit(cell.value, grid.own() ? 1 : cell.density, towards_eye,
-                   [&] { return grid.gradient(cell); });
+    VoxelLight(const ValueTransfer& transfer, const VolumeLook& look,
+               const lights::Illumination& reached)
+        : pieces_(transfer), lighting_(look), lattice_(reached.lattice()), edge_(reached.edge()) {}
+    /// Calls visit(segment, light) for pieces of a voxel's part of a ray, of one light each, as long as it returns true.
+    template <class Visit>
+    bool operator()(const FieldGrid& grid, const FieldCell& cell, const WorldRay& ray,
+                    const Visit& visit) const {
+        const double weight = grid.own() ? 1 : cell.density;
+        return each_part(cell.segment, ray, [&](Segment part) {
+            return visit(part, lit(cell.value, weight, ray, 0.5 * (part.first + part.last),
+                                   [&] { return grid.gradient(cell); }));
+        });
     }
     ValueLight operator()(const LinearVolume& grid, const LinearVolume::Sample& sample,
-                          Vec3d towards_eye) const {
-        return lit(sample.value, grid.own() ? 1 : sample.density, towards_eye,
+                          const WorldRay& ray, double t) const {
+        return lit(sample.value, grid.own() ? 1 : sample.density, ray, t,
                    [&] { return grid.world_gradient(sample); });
     }
 
   private:
     template <class Gradient>
-    ValueLight lit(double value, double weight, Vec3d towards_eye, const Gradient& gradient) const {
+    ValueLight lit(double value, double weight, const WorldRay& ray, double t,
+                   const Gradient& gradient) const {
         ValueLight light = pieces_(value);
         light.extinction *= weight;
-        if (!lighting_.on() || !(light.extinction > 0)) return light;
-        const auto [body, shine] = lighting_(gradient(), towards_eye);
+        if (!(light.extinction > 0) || !(lighting_.on() || lattice_.any())) return light;
+        const device::ReachedLight reached =
+            lattice_.any()
+                ? lattice_.at(plain(ray.origin + t * ray.direction), plain(ray.towards_eye))
+                : device::ReachedLight{};
+        const auto [body, shine] =
+            lighting_(lighting_.on() ? gradient() : Vec3d{}, ray.towards_eye, reached);
         for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
         return light;
     }
 
+    /// Parts no longer than half a cell of the lattice.
+    template <class Visit>
+    bool each_part(Segment whole, const WorldRay& ray, const Visit& visit) const {
+        const double extent = whole.last - whole.first;
+        const double count = std::ceil(std::max(2 * extent * ray.stretch / edge_, 1.0));
+        for (double n = 0; n < count; ++n)
+            if (!visit(
+                    Segment{whole.first + n / count * extent,
+                            n + 1 < count ? whole.first + (n + 1) / count * extent : whole.last}))
+                return false;
+        return true;
+    }
+
     ValuePieces pieces_;
     Lighting lighting_;
+    device::LightLattice lattice_;
+    double edge_;
 };
 
 /// The light along one ray.
 Compositor light_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
-                       Vec3d origin, Vec3d direction, Segment within) {
+                       const WorldRay& ray, Segment within) {
     Compositor light;
-    const double stretch = length(direction);
-    const Vec3d towards_eye = (-1 / stretch) * direction;
     if (grids.size() == 1) {
-        grids[0].walk(origin, direction, within, [&](const FieldCell& cell) {
-            const ValueLight of_cell = lighting(grids[0], cell, towards_eye);
-            const double depth =
-                of_cell.extinction * (cell.segment.last - cell.segment.first) * stretch;
-            if (depth > 0) light.add(depth, of_cell.r, of_cell.g, of_cell.b);
-            return !light.opaque();
+        grids[0].walk(ray.origin, ray.direction, within, [&](const FieldCell& cell) {
+            return lighting(grids[0], cell, ray, [&](Segment part, const ValueLight& of_part) {
+                const double depth = of_part.extinction * (part.last - part.first) * ray.stretch;
+                if (depth > 0) light.add(depth, of_part.r, of_part.g, of_part.b);
+                return !light.opaque();
+            });
         });
         return light;
     }
     thread_local std::vector<LitPiece> pieces;
     pieces.clear();
     for (const FieldGrid& grid : grids)
-        grid.walk(origin, direction, within, [&](const FieldCell& cell) {
-            const ValueLight of_cell = lighting(grid, cell, towards_eye);
-            if (of_cell.extinction > 0 && !cell.segment.empty())
-                pieces.push_back({cell.segment, of_cell});
-            return true;
+        grid.walk(ray.origin, ray.direction, within, [&](const FieldCell& cell) {
+            return lighting(grid, cell, ray, [&](Segment part, const ValueLight& of_part) {
+                if (of_part.extinction > 0 && !part.empty()) pieces.push_back({part, of_part});
+                return true;
+            });
         });
-    composite(pieces, stretch, light);
+    composite(pieces, ray.stretch, light);
     return light;
 }
 
 /// The light along one ray through interpolated voxels, classified sample by sample.
-Compositor light_along(const LinearVolume& grid, const VoxelLight& lighting, Vec3d origin,
-                       Vec3d direction, Segment within) {
+Compositor light_along(const LinearVolume& grid, const VoxelLight& lighting, const WorldRay& ray,
+                       Segment within) {
     Compositor light;
-    const double stretch = length(direction);
-    const Vec3d towards_eye = (-1 / stretch) * direction;
-    grid.walk(origin, direction, within, [&](const LinearVolume::Sample& sample, double dt) {
-        const ValueLight here = lighting(grid, sample, towards_eye);
-        if (const double depth = here.extinction * dt * stretch; depth > 0)
-            light.add(depth, here.r, here.g, here.b);
-        return !light.opaque();
-    });
+    grid.walk(ray.origin, ray.direction, within,
+              [&](const LinearVolume::Sample& sample, double t, double dt) {
+                  const ValueLight here = lighting(grid, sample, ray, t);
+                  if (const double depth = here.extinction * dt * ray.stretch; depth > 0)
+                      light.add(depth, here.r, here.g, here.b);
+                  return !light.opaque();
+              });
     return light;
 }
 
@@ -105,17 +143,16 @@ Segment both(Segment a, Segment b) {
 
 /// This process's pieces of a ray.
 std::vector<LitPiece> pieces_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
-                                   Vec3d origin, Vec3d direction, Segment within, bool joined) {
+                                   const WorldRay& ray, Segment within, bool joined) {
     RayPieces pieces(joined);
-    const double stretch = length(direction);
-    const Vec3d towards_eye = (-1 / stretch) * direction;
     for (const FieldGrid& grid : grids) {
         pieces.begin();
-        grid.walk(origin, direction, within, [&](const FieldCell& cell) {
+        grid.walk(ray.origin, ray.direction, within, [&](const FieldCell& cell) {
             if (cell.segment.empty()) return true;
-            const ValueLight light = lighting(grid, cell, towards_eye);
-            const double span = cell.segment.last - cell.segment.first;
-            return pieces.add(cell.segment, light.extinction * span * stretch, light);
+            return lighting(grid, cell, ray, [&](Segment part, const ValueLight& light) {
+                const double span = part.last - part.first;
+                return pieces.add(part, light.extinction * span * ray.stretch, light);
+            });
         });
     }
     return pieces.finish();
@@ -123,7 +160,7 @@ std::vector<LitPiece> pieces_along(const std::vector<FieldGrid>& grids, const Vo
 
 /// The picture of several processes' voxels, complete on the root.
 /// most_rays  at a time, of this process
-/// pieces_of(origin, direction, within)  returns this process's pieces of a ray
+/// pieces_of(ray, within)  returns this process's pieces of a ray
 template <class PiecesOf>
 VolumeImage joint_picture(const Camera& camera, int width, int height,
                           const ReferenceOptions& options, const Clipping& clip,
@@ -142,7 +179,7 @@ VolumeImage joint_picture(const Camera& camera, int width, int height,
         const Segment within = both(visible_segment(options.clip, origin, direction),
                                     visible_segment(clip, origin, direction));
         if (within.empty()) return {};
-        return pieces_of(origin, direction, within);
+        return pieces_of(WorldRay(origin, direction), within);
     };
     for_each_run(image.pixel.size(), std::max<std::size_t>(most_rays / rays_per_pixel, 1),
                  options.progress, [&](std::size_t first, std::size_t count) {
@@ -158,7 +195,7 @@ VolumeImage joint_picture(const Camera& camera, int width, int height,
 }
 
 /// Averages rays over pixels.
-/// light_of(origin, direction, within)  returns a Compositor
+/// light_of(ray, within)  returns a Compositor
 template <class LightOf>
 VolumeImage picture_of(const Camera& camera, int width, int height, const ReferenceOptions& options,
                        const Clipping& clip, const LightOf& light_of) {
@@ -179,7 +216,7 @@ VolumeImage picture_of(const Camera& camera, int width, int height, const Refere
                 ++passed;
                 continue;
             }
-            const Compositor light = light_of(origin, direction, within);
+            const Compositor light = light_of(WorldRay(origin, direction), within);
             r += light.r, g += light.g, b += light.b, passed += light.transmittance;
         }
         const double share = 1.0 / (samples * samples);
@@ -202,15 +239,18 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
     check_samples(options.samples);
     validate(options.clip);
     validate(look);
-    const VoxelLight lighting(transfer, look);
     check_fields(volumes, fields, FieldPart::value);
+    const Collective* processes = processes_of(options);
+    const Vec3d forward = frame_of(camera, width, height).forward;
+    const lights::Illumination reached =
+        lights::illumination(volumes, fields, transfer, look, forward, processes);
+    const VoxelLight lighting(transfer, look, reached);
     const auto drawn = [&](const auto& grid) {
         return picture_of(camera, width, height, options, look.clip,
-                          [&](Vec3d origin, Vec3d direction, Segment within) {
-                              return light_along(grid, lighting, origin, direction, within);
+                          [&](const WorldRay& ray, Segment within) {
+                              return light_along(grid, lighting, ray, within);
                           });
     };
-    const Collective* processes = processes_of(options);
     if (processes && voxels.interpolation != Interpolation::constant)
         throw Error("reference: interpolated voxels of several processes, expected constant ones");
     if (processes) {
@@ -222,9 +262,8 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
         constexpr std::size_t kMostRays = std::size_t{1} << 15, kMostVoxelByVoxel = kMostRays / 4;
         return joint_picture(camera, width, height, options, look.clip, *processes,
                              others.overlap ? kMostVoxelByVoxel : kMostRays,
-                             [&](Vec3d origin, Vec3d direction, Segment within) {
-                                 return pieces_along(grids, lighting, origin, direction, within,
-                                                     !others.overlap);
+                             [&](const WorldRay& ray, Segment within) {
+                                 return pieces_along(grids, lighting, ray, within, !others.overlap);
                              });
     }
     if (voxels.interpolation == Interpolation::constant)

@@ -19,7 +19,7 @@
 
 #include "render/by_value/slab_moments.h"
 #include "render/chebyshev_fit.h"
-#include "render/device/shading.h"
+#include "render/device/light/shading.h"
 #include "render/splat/splat_kernels.h"
 #include "vog/image.h"
 
@@ -136,6 +136,11 @@ struct SlabLight {
     const CameraFrame& frame;
     device::MeanLight light;  ///< times SplatModel::unit
     device::BlinnPhong look;  ///< its light along right, down, forward
+    device::LightLattice lattice{};
+    /// Place in the lattice, in cells: of depth 0 of SlabDepths on the axis of the view, and its change by a world unit along
+    /// right, down and forward.
+    device::Float3 middle{}, right{}, down{}, forward{};
+    float depth = 0;  ///< of depth 0 of SlabDepths, from the eye, world units
 };
 
 /// The loops for one SIMD target.

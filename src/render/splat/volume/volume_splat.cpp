@@ -11,6 +11,7 @@
 #include "render/by_value/lighting.h"
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/volume_field.h"
+#include "render/light/illumination.h"
 #include "render/pixel_limits.h"
 #include "render/splat/volume/slab_exchange.h"
 #include "render/splat/volume/slab_picture.h"
@@ -63,6 +64,7 @@ struct SlabModel {
     std::deque<std::pair<View, int>> views;
     KeptSums kept;
     std::optional<View> kept_view;  ///< that `kept` holds whole
+    lights::KeptIllumination reached;
 
     SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options,
               int channels);
@@ -72,6 +74,8 @@ struct SlabModel {
     /// light  null: draws the maximum
     void draw(const LightOfMoments* light, const Camera& camera, int width, int height,
               VolumeImage& picture);
+    /// Light that reaches the slabs of a picture.
+    void set_reached(const LightOfMoments& of, const SlabView& view, SlabLight& light);
     /// Sums to draw a picture from, or to keep them in, once edits follow one another under one view.
     KeptSums* sums_for(const View& view);
     double length() const { return std::max(view_box(*gaussians).radius(), 1e-300); }
@@ -118,6 +122,22 @@ KeptSums* SlabModel::sums_for(const View& view) {
     return kept.complete() ? &kept : nullptr;
 }
 
+void SlabModel::set_reached(const LightOfMoments& of, const SlabView& view, SlabLight& light) {
+    reached.update(edits, {*gaussians, *field, of, model.unit, processes}, look,
+                   view.frame.forward);
+    light.lattice = (*reached).lattice(gaussians->origin);
+    const auto cells = [&](Vec3d v) {
+        const Vec3f c = vec_cast<float>(light.lattice.per_edge * v);
+        return device::Float3{c.x, c.y, c.z};
+    };
+    const device::Double3& first = light.lattice.first;
+    const CameraFrame& frame = view.frame;
+    light.middle = cells(frame.eye + view.depth * frame.forward - Vec3d{first.x, first.y, first.z});
+    light.right = cells(frame.right), light.down = cells(-frame.up);
+    light.forward = cells(frame.forward);
+    light.depth = static_cast<float>(view.depth);
+}
+
 void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
                      VolumeImage& picture) {
     const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians->origin);
@@ -146,9 +166,11 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
     SlabPicture drawn{view, *kernels, polynomials, batches};
     drawn.unit = model.unit;
     std::optional<SlabLight> finish;
-    if (light)
+    if (light) {
         drawn.light =
             &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
+        set_reached(*light, view, *finish);
+    }
     if (light && !processes) drawn.kept = sums_for({camera, width, height});
     if (kept_view && drawn.kept) return drawn.draw_kept(buffers, picture.pixel.data());
     ++drawn_pictures;

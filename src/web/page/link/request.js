@@ -9,7 +9,7 @@ import { length, sub } from '../vectors.js';
 
 /** Members of renderers and of files of pictures, which a page has not. */
 const ofFiles = ['size', 'slabs', 'renderer', 'pixel_error', 'kappa', 'aabb_sigma', 'interpolation', 'step', 'samples', 'anyhit', 'hits_per_slab',
-  'stop_transmittance', 'color_bar', 'axes', 'scale_bar', 'title', 'least_column'];
+  'stop_transmittance', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'color_bar', 'axes', 'scale_bar', 'title', 'least_column'];
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
 const areNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);

@@ -11,6 +11,7 @@ const layers = 4;               // images that every device draws into at once
 const slabsOf = { SLABS: 4, LIT: 2, MEANS: 8 };  // a pass, by the word of slab.frag
 const leastShare = 1e-3;        // kLeastDensityShare of render/by_value/volume_image.h
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
+const reachedUnit = 15;         // of textures
 const mostKept = 2 ** 29;       // bytes of kept sums: 32 slabs of a million pixels
 const finishShaders = ['erf.glsl', 'expected.glsl', 'finish.frag'], tableShaders = ['erf.glsl', 'expected.glsl', 'table.frag'];
 
@@ -209,6 +210,8 @@ export class Slabs {
     used.set('lighting', ...(on ? weights : [0, 0, 0, 0]));
     const to = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
     used.set('towards_light', dot(to, right), dot(to, up), dot(to, forward));
+    used.setInteger('reached', reachedUnit);
+    used.set('reaches', 0);
   }
 
   /** The largest density of each pixel's slabs, then the largest of the means that count. */

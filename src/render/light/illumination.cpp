@@ -1,0 +1,240 @@
+// illumination.cpp: Marches an extinction lattice towards lights.
+#include "render/light/illumination.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/parallel.h"
+#include "vog/distributed.h"
+
+namespace vog::lights {
+
+namespace {
+
+/// Cells along the longest edge of the data.
+constexpr int kModelCells = 64, kVoxelCells = 128;
+
+/// Layers of cells across the axis that a direction is longest along, with an empty cell around each layer.
+struct Layers {
+    int axis, along_row, along_column;  ///< of the lattice
+    int count, rows, columns;           ///< of a layer: with its empty cells
+    std::vector<float> value;
+
+    Layers(const ExtinctionLattice& of, int longest)
+        : axis(longest),
+          along_row(longest == 0 ? 1 : 0),
+          along_column(longest == 2 ? 1 : 2),
+          count(of.size[axis]),
+          rows(of.size[along_column] + 2),
+          columns(of.size[along_row] + 2) {
+        value.resize(size() * static_cast<std::size_t>(count));
+        for (int n = 0; n < count; ++n)
+            for_each_cell(n, of, [&](std::size_t in_layer, std::size_t cell) {
+                layer(n)[in_layer] = static_cast<float>(of.sum[cell]);
+            });
+    }
+    std::size_t size() const {
+        return static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+    }
+    float* layer(int n) { return value.data() + static_cast<std::size_t>(n) * size(); }
+    const float* layer(int n) const { return value.data() + static_cast<std::size_t>(n) * size(); }
+    /// Calls visit(place in the layer, cell of the lattice).
+    template <class Visit>
+    void for_each_cell(int n, const ExtinctionLattice& of, const Visit& visit) const {
+        for (int row = 1; row + 1 < rows; ++row)
+            for (int column = 1; column + 1 < columns; ++column) {
+                Vec3i cell;
+                cell[axis] = n, cell[along_row] = column - 1, cell[along_column] = row - 1;
+                visit(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                          static_cast<std::size_t>(column),
+                      of.at(cell.x, cell.y, cell.z));
+            }
+    }
+};
+
+/// A layer moved by cells and parts of cells, between which it is linear.
+class Shift {
+  public:
+    Shift(const Layers& layers, double along_row, double along_column)
+        : rows_(layers.rows), columns_(layers.columns) {
+        const double down = std::floor(along_column), right = std::floor(along_row);
+        down_ = static_cast<int>(down), right_ = static_cast<int>(right);
+        v_ = static_cast<float>(along_column - down), u_ = static_cast<float>(along_row - right);
+    }
+    void add(const float* from, float factor, float* to) const {
+        const float upper[2] = {factor * (1 - v_) * (1 - u_), factor * (1 - v_) * u_};
+        const float lower[2] = {factor * v_ * (1 - u_), factor * v_ * u_};
+        const int first = std::max(0, -right_), last = std::min(columns_, columns_ - 1 - right_);
+        for (int row = std::max(0, -down_); row < std::min(rows_, rows_ - 1 - down_); ++row) {
+            const float* above =
+                from + static_cast<std::ptrdiff_t>(row + down_) * columns_ + right_;
+            const float* below = above + columns_;
+            float* sums = to + static_cast<std::ptrdiff_t>(row) * columns_;
+            for (int n = first; n < last; ++n)
+                sums[n] += upper[0] * above[n] + upper[1] * above[n + 1] + lower[0] * below[n] +
+                           lower[1] * below[n + 1];
+        }
+    }
+
+  private:
+    int rows_, columns_, down_, right_;
+    float u_, v_;
+};
+
+/// Directions all over a sphere, as evenly as Fibonacci's spiral has them.
+std::vector<Vec3d> all_directions(int count) {
+    std::vector<Vec3d> all;
+    for (int n = 0; n < count; ++n) {
+        const double z = 1 - (2 * n + 1.0) / count, across = std::sqrt(1 - z * z);
+        const double angle = 2 * std::numbers::pi * n / std::numbers::phi;
+        all.push_back({across * std::cos(angle), across * std::sin(angle), z});
+    }
+    return all;
+}
+
+}  // namespace
+
+std::vector<float> depths_towards(const ExtinctionLattice& extinction, Vec3d towards) {
+    int axis = 0;
+    for (int n = 1; n < 3; ++n)
+        if (std::abs(towards[n]) > std::abs(towards[axis])) axis = n;
+    const double longest = std::abs(towards[axis]);
+    const int forward = towards[axis] > 0 ? 1 : -1;
+    const Layers layers(extinction, axis);
+    const double row_step = towards[layers.along_row] / longest,
+                 column_step = towards[layers.along_column] / longest;
+    const auto step = static_cast<float>(extinction.edge * length(towards) / longest);
+    std::vector<float> depths(extinction.sum.size());
+    vog::parallel_for(0, layers.count, [&](int n) {
+        std::vector<float> sums(layers.size());
+        for (int k = 0; n + k * forward >= 0 && n + k * forward < layers.count; ++k)
+            Shift(layers, k * row_step, k * column_step)
+                .add(layers.layer(n + k * forward), k == 0 ? 0.5f * step : step, sums.data());
+        layers.for_each_cell(n, extinction, [&](std::size_t in_layer, std::size_t cell) {
+            depths[cell] = sums[in_layer];
+        });
+    });
+    return depths;
+}
+
+namespace {
+
+/// Share of opaque matter in a cell or one beside it: 0 of an optical depth far below 4, 1 far above, over a model's cell.
+std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
+    constexpr double kHalf = 4;
+    std::vector<double> most = extinction.sum, before;
+    // The largest of three along each axis in turn.
+    std::size_t stride = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+        before = most;
+        const auto count = static_cast<std::size_t>(extinction.size[axis]);
+        for (std::size_t n = 0; n < most.size(); ++n) {
+            const std::size_t place = n / stride % count;
+            if (place > 0) most[n] = std::max(most[n], before[n - stride]);
+            if (place + 1 < count) most[n] = std::max(most[n], before[n + stride]);
+        }
+        stride *= count;
+    }
+    std::vector<float> opaque(most.size());
+    for (std::size_t n = 0; n < most.size(); ++n) {
+        const double depth = most[n] * extinction.edge * extinction.cells / kModelCells;
+        const double square = depth * depth;
+        opaque[n] = static_cast<float>(square / (kHalf * kHalf + square));
+    }
+    return opaque;
+}
+
+}  // namespace
+
+Illumination::Illumination(const ExtinctionLattice& extinction, const VolumeLook& look,
+                           Vec3d towards)
+    : first_(extinction.first),
+      edge_(extinction.edge),
+      size_(extinction.size),
+      shift_(double(extinction.cells) / kModelCells) {
+    if (look.shadows) towards_ = normalized(towards);
+    opaque_ = opaque_cells(extinction);
+    if (look.shadows) {
+        // Wrenninge's octaves: light scattered again and again passes through more.
+        const std::vector<float> depths = depths_towards(extinction, towards);
+        direct_.resize(depths.size());
+        float whole = 0;
+        for (int octave = 0; octave < look.octaves; ++octave) {
+            const float part = std::exp2(static_cast<float>(-octave));
+            whole += part;
+            for (std::size_t n = 0; n < depths.size(); ++n)
+                direct_[n] += part * std::exp(-part * depths[n]);
+        }
+        for (float& share : direct_) share /= whole;
+    }
+    if (look.occlusion) {
+        constexpr int kDirections = 24;
+        ambient_.resize(extinction.sum.size());
+        for (const Vec3d& direction : all_directions(kDirections)) {
+            const std::vector<float> depths = depths_towards(extinction, direction);
+            for (std::size_t n = 0; n < depths.size(); ++n)
+                ambient_[n] += std::exp(-depths[n]) / kDirections;
+        }
+    }
+}
+
+namespace {
+
+Vec3d towards_of(const VolumeLook& look, Vec3d forward) {
+    return length(look.towards_light) > 0 ? look.towards_light : -forward;
+}
+
+}  // namespace
+
+Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d forward) {
+    if (!look.shadows && !look.occlusion) return {};
+    ExtinctionLattice lattice(view_box(model.gaussians), kModelCells);
+    add_extinction(model.gaussians, model.field, model.light, model.unit, model.processes, lattice);
+    lattice.clip(look.clip);
+    return {lattice, look, towards_of(look, forward)};
+}
+
+bool KeptIllumination::update(int version, const LitModel& model, const VolumeLook& look,
+                              Vec3d forward) {
+    const Vec3d towards = look.shadows ? towards_of(look, forward) : Vec3d{};
+    if (version == version_ && look == look_ && towards == towards_) return false;
+    light_ = illumination(model, look, forward);
+    version_ = version, look_ = look, towards_ = towards;
+    return true;
+}
+
+Illumination illumination(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+                          const ValueTransfer& transfer, const VolumeLook& look, Vec3d forward,
+                          const Collective* processes) {
+    if (!look.shadows && !look.occlusion) return {};
+    Box box;
+    for (const Volume& volume : volumes) box.include(world_box(volume));
+    if (processes) {
+        double faces[6] = {-box.lower.x, -box.lower.y, -box.lower.z,
+                           box.upper.x,  box.upper.y,  box.upper.z};
+        processes->max(faces);
+        box = {{-faces[0], -faces[1], -faces[2]}, {faces[3], faces[4], faces[5]}};
+    }
+    ExtinctionLattice lattice(box, kVoxelCells);
+    for (std::size_t n = 0; n < volumes.size(); ++n)
+        add_extinction(volumes[n], fields[n], transfer, lattice);
+    if (processes) processes->sum(lattice.sum);
+    lattice.clip(look.clip);
+    return {lattice, look, towards_of(look, forward)};
+}
+
+device::LightLattice Illumination::lattice(Vec3d origin, double unit) const {
+    const Vec3d first = (1 / unit) * (first_ - origin);
+    return {direct_.empty() ? nullptr : direct_.data(),
+            ambient_.empty() ? nullptr : ambient_.data(),
+            opaque_.data(),
+            {size_.x, size_.y, size_.z},
+            {first.x, first.y, first.z},
+            unit / edge_,
+            {towards_.x, towards_.y, towards_.z},
+            shift_};
+}
+
+}  // namespace vog::lights

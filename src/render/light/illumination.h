@@ -1,0 +1,81 @@
+// illumination.h: Light that reaches points of a volume, through what absorbs it on the way.
+#pragma once
+
+#include <vector>
+
+#include "render/device/light/light_lattice.h"
+#include "render/light/extinction_lattice.h"
+#include "vog/volume_picture.h"
+
+namespace vog {
+struct Collective;
+}
+
+namespace vog::lights {
+
+/// Shares of light that reach the cells of a lattice.
+class Illumination {
+  public:
+    /// All light reaches every point.
+    Illumination() = default;
+    /// towards  direction to the light, world, of any length > 0
+    Illumination(const ExtinctionLattice& extinction, const VolumeLook& look, Vec3d towards);
+
+    /// Valid while this lives, unchanged; for points relative to an origin, in a unit of length.
+    device::LightLattice lattice(Vec3d origin = {}, double unit = 1) const;
+    const std::vector<float>& direct() const { return direct_; }
+    const std::vector<float>& ambient() const { return ambient_; }
+    const std::vector<float>& opaque() const { return opaque_; }
+    /// Edge of a cell, world units; infinite where all light reaches every point.
+    double edge() const { return edge_; }
+
+  private:
+    std::vector<float> direct_, ambient_, opaque_;
+    Vec3d towards_{};
+    Vec3d first_{};
+    double edge_ = HUGE_VAL;
+    Vec3i size_{2, 2, 2};
+    double shift_ = 1;
+};
+
+/// A model's field under a transfer function.
+struct LitModel {
+    const Gaussians& gaussians;
+    const ScalarField& field;
+    const by_value::LightOfMoments& light;  ///< of the field's values
+    double unit = 1;                        ///< factor of that light
+    const Collective* processes = nullptr;  ///< that hold parts of the model; null: this one alone
+};
+/// Of a model.
+/// forward    direction of the view: a light from the eye lies behind it, infinitely far away
+/// returns    all light everywhere for a look without shadows and occlusion
+Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d forward);
+
+/// That of a model's latest picture.
+class KeptIllumination {
+  public:
+    /// version  another one for another transfer function or field
+    /// returns  whether it has changed
+    bool update(int version, const LitModel& model, const VolumeLook& look, Vec3d forward);
+    const Illumination& operator*() const { return light_; }
+
+  private:
+    Illumination light_;
+    int version_ = -1;
+    VolumeLook look_{};
+    Vec3d towards_{};
+};
+
+/// Of voxels, on a lattice that is finer: the truth of the one of a model.
+/// fields  [volumes] scalar; without values the volume's own
+Illumination illumination(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+                          const ValueTransfer& transfer, const VolumeLook& look, Vec3d forward,
+                          const Collective* processes);
+
+/// Optical depths from the centres of cells out of the lattice, by lines that step from layer to layer of cells, across the axis
+/// that the direction is longest along.
+/// towards  of any length > 0
+/// returns  [cells] as ExtinctionLattice::sum
+std::vector<float> depths_towards(const ExtinctionLattice& extinction, Vec3d towards);
+
+}  // namespace vog::lights
