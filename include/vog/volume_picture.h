@@ -25,7 +25,7 @@ struct VolumeLook {
     /// Off: emission and absorption alone.
     bool light = false;
     Vec3d towards_light{};  ///< world, any length > 0; 0 0 0: the eye
-    bool studio = false;  ///< whether resolve() sets shadows, occlusion and kStudioOctaves
+    bool studio = false;    ///< whether resolve() sets shadows, occlusion and kStudioOctaves
     double ambient = 0.3, diffuse = 0.7, specular = 0.2, power = 20;  ///< weights >= 0; power > 0
     /// Whether what absorbs light on its way casts shadows: diffuse and specular light times exp(-optical depth towards the
     /// light). Colours without shading by the gradient are (ambient + diffuse exp(-depth)) / (ambient + diffuse) of theirs.

@@ -39,10 +39,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
 /// The page's other modules in the order of their dependencies.
 constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js", "decoder.js", "colors.js",        "transfer.js", "clip.js",
-    "renderer.js", "slabs.js",  "probe.js",   "quantity.js",      "levels.js",   "request.js",
-    "link.js",     "input.js",  "editor.js",  "clip_controls.js", "controls.js", "overlay.js",
-    "handles.js",  "player.js", "readout.js", "outer.js",         "record.js"};
+    "vectors.js",  "camera.js",  "decoder.js", "colors.js",  "transfer.js",      "clip.js",
+    "renderer.js", "light.js",   "slabs.js",   "probe.js",   "quantity.js",      "levels.js",
+    "request.js",  "link.js",    "input.js",   "editor.js",  "clip_controls.js", "controls.js",
+    "overlay.js",  "handles.js", "player.js",  "readout.js", "outer.js",         "record.js"};
 /// Those of pages that stream, between the others and the last one.
 constexpr const char* kStreamModules[] = {"rows.js",     "cut.js",    "visibility.js",
                                           "requests.js", "source.js", "store.js",

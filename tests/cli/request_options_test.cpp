@@ -95,7 +95,8 @@ TEST(request_options, words_that_are_none_are_refused) {
     expect_in(volume_refused("--window 3,0"), "--window 3,0: expected CENTRE,WIDTH");
     expect_in(volume_refused("--unit-distance=-1"), "--unit-distance -1: expected a finite length");
     expect_in(volume_refused("--unit-distance inf"), "expected a finite length");
-    expect_in(volume_refused("--light up"), "--light up: expected head, studio or a direction x,y,z");
+    expect_in(volume_refused("--light up"),
+              "--light up: expected head, studio or a direction x,y,z");
     expect_in(volume_refused("--light 0,0,0"), "expected head, studio or a direction");
     expect_in(volume_refused("--light head --set light-weights=1,-1,0,1"), "diffuse -1");
     expect_in(volume_refused("--light head --set light-weights=1,1"), "ambient, diffuse");

@@ -24,6 +24,7 @@ class Edits(QuantityTest):
             first = {"show": "volume", "transfers": {"0": RAMP}, "light": light, "camera": camera}
             self.change(panel=True, **first)
             edits = [{"transfers": {"0": {**RAMP, "unit": 4}}}, {"transfers": {"0": {**STEP, "opacity": [[0.9, 0], [0.95, 0.8], [1, 0]]}}}]
+            edits += [{"light": {**light, "shadows": True, "towards": [3, 1, -2]}}, {"light": {**light, "shadows": True, "occlusion": True, "towards": [1, 2, 3]}}]
             if lit:
                 edits += [{"light": {**light, "towards": [1, 2, 3]}}, {"light": {**light, "weights": [0.5, 0.5, 0.2, 8]}}]
             drawn, pictures = self.value("vog.draws()"), []

@@ -4,6 +4,7 @@
 VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Node.js.
 """
 import json
+import math
 import re
 
 from exploring_test import random_gaussians, write_scalars
@@ -11,7 +12,7 @@ from page_test_case import run, vog
 from streaming_test_case import NodeTest
 
 NONSENSE = ("#subframes=1&camera.eye=1,2&camera.look_at=x&camera.fov_degrees=400&tf=<b>&level=0&model=-3&exposure=NaN&camera.up=0,0,&show=<img>&field=nothing"
-            "&clip=1,1,1,0,0,0&extinction=-1&blend=7&light=up&background=mauve&range=2,1&scale=cubic&threshold=x&%E0%A4%A=&__proto__=1&constructor&toString.x=1&camera=3")
+            "&shadows=7&light_from=up&ambient_occlusion=x&scattering=17&clip=1,1,1,0,0,0&extinction=-1&blend=7&light=up&background=mauve&range=2,1&scale=cubic&threshold=x&%E0%A4%A=&__proto__=1&constructor&toString.x=1&camera=3")
 JSONS = ['{"tf": {"colors": 5}}', '{"tf": {"name": {"toString": 1}, "domain": [0, 1], "colors": [[0, 0, 0, 0]]}, "show": "volume"}', '{"camera": {"eye": "x", "sky": 1}}',
          '{"camera": null, "background": {"toString": 1}}', '{"picture": 3}', '{"picture": ["a"]}', '{"bands": [1], "show": "volume"}', '{"clip_planes": [[0, 0, 0, 1]]}',
          '{"__proto__": {"show": "T"}}', '{"light_weights": "x"}', '{"size": {}}', '{broken']
@@ -83,7 +84,7 @@ class Links(NodeTest):
         expected = self.state("#subframes=1")
         self.assertEqual(self.state(NONSENSE), expected)
         problems = self.value("problems")
-        for key in ("camera", "tf", "level", "model", "exposure", "show", "field", "clip", "extinction", "blend", "light", "background", "range", "scale", "threshold"):
+        for key in ("camera", "tf", "level", "model", "exposure", "show", "field", "clip", "extinction", "blend", "light", "shadows", "light_from", "ambient_occlusion", "scattering", "background", "range", "scale", "threshold"):
             self.assertTrue(any(line.startswith(f"{key} ") or line.startswith(f"{key}:") for line in problems), f"{key}: {problems}")
         self.assertTrue(all(len(line) < 300 and "\n" not in line for line in problems))
         self.assertEqual(self.state("#subframes=1&camera.eye=0,0,0&camera.look_at=0,0,0"), expected)
@@ -117,16 +118,31 @@ class Links(NodeTest):
         self.state('{"units": "K"}')
         self.assertEqual(self.value("problems"), ["units: a page has none"])
 
+    def test_studio_is_shadows_occlusion_and_three_octaves_from_the_upper_left(self):
+        light = self.state("#show=volume&light=studio")["light"]
+        self.assertEqual([light[key] for key in ("on", "shadows", "occlusion", "scattering")], [False, True, True, 3])
+        camera = self.value("state.camera")
+        view = [a - e for a, e in zip(camera["at"], camera["eye"])]
+        self.assertAlmostEqual(sum(t * v for t, v in zip(light["towards"], view)) / math.hypot(*view), -0.6 / math.hypot(0.6, 0.9, 0.6), delta=2e-4)
+        self.assertEqual(self.state("#show=volume&light=studio", '{"show": "volume"}')["light"], {**light, "shadows": False, "occlusion": False, "scattering": 1, "towards": [0] * 3})
+
+    def test_members_of_shadows_are_refused_without_them(self):
+        for words in ("light_from=1,2,3", "scattering=3", "shadows&light=head&light_from=1,2,3"):
+            self.state(f"#show=volume&{words}")
+            self.assertEqual(len(self.value("problems")), 1, words)
+            self.assertIn("has no effect", self.value("problems[0]"))
+
     def test_a_link_is_the_picture_again(self):
         written = "writeLink(page, state, {scale: automaticScale(page.models, state, state.scale?.log), size: [40, 80], background: [1, 1, 1, 1], streamed: false})"
         for begun in ("#show=mean&field=heat&tf=viridis&range=290,300", "#show=volume&field=heat&light=1,2,3&light_weights=0.1,0.2,0.3,4", "#blend&exposure=2",
+                      "#show=volume&shadows&light_from=1,2,3&scattering=2", "#show=volume&light=head&shadows&ambient_occlusion", "#show=volume&light=studio",
                       '#show=volume&tf={"domain":[0,1],"unit_distance":2,"colors":[[0,1,0,0],[1,1,1,1]],"opacity":[[0,0],[1,1]]}',
                       "#show=column&clip=0,0,0,1,2,3&clip_planes=1,2,3,4&planes_off=[[0,1,0,0.5]]&camera.orthographic_width=7",
                       '#show=column&tf={"name":"two","colors":[[0,0.5,0,0],[1,1,1,1]]}'):
             first = self.state(begun, "#")
             link = self.value(written)
             self.assertEqual(self.value("problems"), [], begun)
-            again = self.state(begun, "#show=T&field=&clip=&clip_planes=&light=&tf=gray&blend=false", link)
+            again = self.state(begun, "#show=T&field=&clip=&clip_planes=&light=&light_from=&shadows=false&ambient_occlusion=false&tf=gray&blend=false", link)
             self.assertEqual(self.value("problems"), [], link)
             for key in ("show", "field", "part", "map", "reverse", "light", "clip", "planes", "transfers", "fade"):
                 if key == "map" and "domain" in link or key == "field" and first["show"] in ("T", "column") or key == "fade" and first["show"] != "T" or key == "light" and first["show"] != "volume":
@@ -178,6 +194,48 @@ class Links(NodeTest):
         # A range with the logarithm, and one that has none.
         self.assertEqual(self.state("#show=column&range=1,10&scale=log")["scale"], {"low": 1, "high": 10, "log": True})
         self.assertIsNone(self.state("#show=column&range=-1,10&scale=log")["scale"])
+
+
+class ReachedLight(NodeTest):
+    modules = ("picture/light.js",)
+
+    def test_a_box_of_one_extinction_lets_exp_of_its_depth_through(self):
+        box = "globalThis.box = { sum: new Float32Array(20 * 22 * 8).fill(1.5), size: [20, 22, 8], first: [0, 0, 0], edge: 0.25 }"
+        for towards, length in (([0, 0, 3], 1), ([1, -2, 4], math.sqrt(21) / 4), ([0, 0, -1], 1)):
+            # From the middle of a face's cells; each layer adds the way through it, its own half.
+            layers = [7.5 - z if towards[2] > 0 else z + 0.5 for z in range(8)]
+            for octaves in (1, 3):
+                found = self.value(f"({box}, (({{size}}) => Array.from({{length: 8}}, (_, z) => directLight(box, {towards}, {octaves})[(z * 22 + 11) * 20 + 10]))(box))")
+                for n, share in zip(layers, found):
+                    depth, weights = 1.5 * 0.25 * length * n, [0.5 ** k for k in range(octaves)]
+                    self.assertAlmostEqual(share, sum(w * math.exp(-w * depth) for w in weights) / sum(weights), delta=2e-6)
+        for ambient in ("ambientLight", "ambientDraft"):
+            empty = self.value(f"[...{ambient}({{ ...box, sum: new Float32Array(box.sum.length) }})]")
+            self.assertTrue(all(abs(share - 1) < 1e-6 for share in empty))
+            self.assertEqual(len(empty), 20 * 22 * 8)
+            dark = self.value(f"[...{ambient}(box)]")
+            self.assertLess(max(dark[(4 * 22 + 11) * 20 + 8:][:4]), dark[0])
+        # Faint fog, whose share is about linear: the draft is near.
+        fog = "globalThis.fog = { ...box, sum: box.sum.map((_, n) => 0.02 * (1 + Math.sin(n % 20 / 4))) }"
+        self.assertLess(self.value(f"({fog}, ((draft) => Math.max(...ambientLight(fog).map((v, n) => Math.abs(v - draft[n]))))(ambientDraft(fog)))"), 0.01)
+
+    def test_lattices_hold_the_extinction_of_rotated_gaussians(self):
+        """Three Gaussians of one value under an opacity that is constant: mass times extinction."""
+        rows = [[0.1, -0.2, 0.3, 2, 0.1, 0.02, 0.3, 0.5, 0.5, -0.5, 0.5], [0, 0, 0, 1, 0.001, 0.001, 0.001, 1, 0, 0, 0], [0.9, 0.4, 0.2, 3, 0.2, 0.05, 0.05, 0.8, 0, 0.6, 0]]
+        model = {"box": {"center": [10, 0, 0], "half": [6, 4, 4]}, "center": [10, 0, 0], "unit": 4, "cutoff": 2.25, "limits": [0, 0, 0.7, 13], "extinction": 5}
+        found = self.value(f"""(() => {{
+            const data = new Float32Array(18), extinction = (value, deviation) => 0.3;
+            const {{ sum, size, edge, first }} = extinctionLattice({json.dumps(model)}, {{ instances: Float32Array.from({json.dumps(sum(rows, []))}), data }}, extinction);
+            const whole = [0, 0, 0, 0];
+            sum.forEach((v, n) => {{ const at = [n % size[0], Math.floor(n / size[0]) % size[1], Math.floor(n / size[0] / size[1])]; whole[3] += v; at.forEach((i, k) => {{ whole[k] += v * (first[k] + edge * i); }}); }});
+            return {{ size, edge, mass: whole[3] * edge ** 3, mean: whole.slice(0, 3).map((v) => v / whole[3]) }};
+        }})()""")
+        masses = [13 * 0.3 / 5 * row[3] * row[4] * row[5] * row[6] for row in rows]
+        self.assertEqual(found["size"], [66, 45, 45])
+        self.assertAlmostEqual(found["edge"], 3 / 64)
+        self.assertAlmostEqual(found["mass"], sum(masses), delta=1e-5 * sum(masses))
+        for k in range(3):
+            self.assertAlmostEqual(found["mean"][k], sum(m * row[k] for m, row in zip(masses, rows)) / sum(masses), delta=0.01)
 
 
 if __name__ == "__main__":

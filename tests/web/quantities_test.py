@@ -61,6 +61,24 @@ class Quantities(QuantityTest):
         self.change(camera={**self.value("vog.state.camera"), "span": 80})
         self.volume(STEP, "--light", "head")
 
+    def test_shadows_and_ambient_occlusion_are_vog_renders(self):
+        light = ("--light", "1,2,1", "--shadows", "--ambient-occlusion")
+        vog("page", "model.ply", "-o", "lit.html", "--set", "levels=1", "--show", "volume", "--tf", self.write_transfer(STEP), *light)
+        self.start("lit.html")
+        self.volume(STEP, *light)
+        box = self.value("vog.page.models[0].box")
+        lower = [c - 0.4 * h for c, h in zip(box["center"], box["half"])]
+        clip = "--clip=" + ",".join(map(repr, lower + [c + h for c, h in zip(box["center"], box["half"])]))
+        # By requests, as the command takes them.
+        for request, options in ((dict(light="studio", scattering=3), ("--light", "studio")),
+                                 (dict(light=None, ambient_occlusion=False, scattering=2, light_from=[3, -1, 2]), ("--shadows", "--light-from", "3,-1,2", "--set", "scattering=2")),
+                                 (dict(shadows=False, ambient_occlusion=True), ("--ambient-occlusion",))):
+            self.value(f"location.hash = '#' + Object.entries({json.dumps(request)}).map(([key, v]) => `${{key}}=${{v ?? ''}}`).join('&')")
+            self.browser.settle()
+            self.volume(STEP, *options)
+        self.change(clip={"lower": lower, "upper": [c + h for c, h in zip(box["center"], box["half"])]}, light={**self.value("vog.state.light"), "shadows": True, "scattering": 1})
+        self.volume(STEP, "--shadows", "--light-from", "3,-1,2", "--ambient-occlusion", clip)
+
     def test_clips_of_every_quantity_are_vog_renders(self):
         self.start("model.html")
         box = self.value("vog.page.models[0].box")

@@ -135,10 +135,9 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
     for (const RequestMember& member : request_schema()) {
         const bool general = member.group == "Quantity" || member.group == "Colour";
         const bool special = member.group == "Clipping" || member.shows.starts_with("volume");
-        // Maps of pages have the data's units, and show every pixel; their light meets no shadows.
-        static const std::set<std::string> no_page{"units",      "least_column",      "shadows",
-                                                   "light_from", "ambient_occlusion", "scattering"};
-        if (!(general || special) || no_page.contains(member.key)) continue;
+        // Maps of pages have the data's units, and show every pixel.
+        const bool off_page = member.key == "units" || member.key == "least_column";
+        if (!(general || special) || off_page) continue;
         const OptionGroup grouped(command,
                                   general && !group.empty() ? group : spelled(member.group));
         add_option(command, words, member);

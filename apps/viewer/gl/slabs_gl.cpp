@@ -295,7 +295,8 @@ void GlSlabs::add(const GlVolume& volume, const Camera& camera, Jitter jitter,
         (kept && !kept->require(strips * passes_of(volume), frame.width, rows)))
         kept = nullptr;
     const bool draws = !(kept && kept->has(volume));
-    if (draws) draw_range(volume, frame, jitter);
+    // Light is looked up at the depths of the slabs.
+    if (draws || (*reached_).lattice().any()) draw_range(volume, frame, jitter);
     if (kept && draws) {
         ++kept->drawn_;
         kept->of_.emplace(volume.field->id(), volume.picture);

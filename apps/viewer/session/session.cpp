@@ -108,6 +108,7 @@ void Session::update_scene() {
     settings.level = -1;
     moving_error_ = 0;
     camera = first_camera(scene.subject);
+    set_shadows(quantity.look.shadows);
     if (opened > 0) exposure_open_ = true;
     if (!scene.voxels && settings.other == WindowRenderer::voxels)
         settings.other = WindowRenderer::splat;

@@ -105,7 +105,7 @@ void Session::set_scale(const ColorScale& wanted) {
 
 void Session::set_shadows(bool on) {
     VolumeLook& light = quantity.look;
-    light.shadows = on;
+    light.shadows = on, light.studio = false;
     if (on && !light.light && light.towards_light == Vec3d{})
         light.towards_light = studio_light(camera);
 }

@@ -4,9 +4,12 @@ import { keyHelp } from './input.js';
 import { ClipControls } from './clip_controls.js';
 import { Editor, presets, remapped } from './editor.js';
 import { choices, label, numberText, shows, ticks } from './quantity.js';
+import { towardsLight } from './picture/light.js';
 import { transferJson } from './picture/transfer.js';
+import { length, mul } from './vectors.js';
 
 const find = (id) => document.getElementById(id);
+const towards = ['towards-0', 'towards-1', 'towards-2'];
 
 function element(name, text, attributes = {}) {
   const made = document.createElement(name);
@@ -81,7 +84,13 @@ export class Controls {
       const { transfer } = this.editor, make = presets[find('preset').value];
       if (make) this.editor.edit({ ...transfer, opacity: make(this.editor.axis.value) });
     });
-    on('light', 'change', () => this.change({ light: { ...this.state.light, on: find('light').checked } }));
+    const relight = (part) => this.change({ light: { ...this.state.light, ...part } });
+    on('light', 'change', () => relight({ on: find('light').checked }));
+    on('occlusion', 'change', () => relight({ occlusion: find('occlusion').checked }));
+    on('scattering', 'input', () => relight({ scattering: find('scattering').valueAsNumber }));
+    // Shadows begin from the upper left of the view, and stay where that turns.
+    on('shadows', 'change', () => relight({ shadows: find('shadows').checked, towards: towardsLight(this.state.light, this.state.camera) }));
+    for (const id of towards) on(id, 'input', () => relight({ towards: towards.map((one) => find(one).valueAsNumber) }));
     on('log-axis', 'change', () => this.change({ logAxis: find('log-axis').checked }));
     on('undo', 'click', () => this.editor.undo());
     on('redo', 'click', () => this.editor.redo());
@@ -128,7 +137,13 @@ export class Controls {
       for (const id of ['low', 'high']) find(id).setAttribute('aria-invalid', false);
     }
     find('log').checked = scale.log;
-    find('light').checked = state.light.on;
+    const { on, shadows, occlusion, scattering } = state.light, to = mul(1 / Math.max(1, ...state.light.towards.map(Math.abs)), state.light.towards);
+    for (const [id, checked] of Object.entries({ light: on, shadows, occlusion })) find(id).checked = checked;
+    find('scattering').value = find('octaves').textContent = scattering;
+    find('scattering-row').hidden = !shadows;
+    find('towards-row').hidden = !shadows && !on;
+    find('towards').textContent = length(to) > 0 ? to.map((v) => v.toFixed(2)).join(' ') : on ? 'the eye' : 'the view';
+    towards.forEach((id, n) => { find(id).value = to[n]; });
     if (volume) {
       const source = model.fields[state.field];
       this.editor.show(transfer, source, state.logAxis);

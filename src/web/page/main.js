@@ -89,7 +89,9 @@ const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, 
 
 const slabsNow = () => page.slabs[state.show !== 'volume' ? 1 : state.light.on ? 2 : 0];
 /** What pictures are finished with after their slabs are drawn. */
-const finishNow = () => (state.show === 'volume' ? [transferNow(), state.light] : []);
+const finishNow = () => (state.show === 'volume' ? [transferNow(), state.light, isDraft()] : []);
+/** Whether ambient occlusion is of larger cells. */
+const isDraft = () => state.light.occlusion && Boolean(editing || !source.complete);
 /** Which sums there are, and what may be edited after them: the exposure of streamed models decides what is hidden. */
 const editsNow = () => [[state.show, state.field, state.model].join(' '), page.site && state.show === 'T' && state.exposure, ...finishNow()];
 
@@ -100,7 +102,7 @@ function addSums(parts, of) {
     slabs ??= new Slabs(renderer);
     slabs.add(parts, model, camera, {
       field, transfer: transferNow(), light: state.light, clip, slabs: slabsNow(), of, keep: state.panel || edited,
-      source: rangeOf(model.fields[field]),
+      source: rangeOf(model.fields[field]), whole: state.show === 'volume' ? source.whole() : null, draft: isDraft(),
     });
   } else {
     renderer.addSums(parts, model, camera, { field, part: field === null ? '' : state.part, clip });

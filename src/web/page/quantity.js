@@ -53,7 +53,7 @@ export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
 
 /**
  * What the sums of a picture depend on, all of it: {view: list of what all quantities share, of: name of these sums among those of the view}.
- * Exposure, ranges, colours, transfer functions, unit distances, the light's direction and weights come after them.
+ * Exposure, ranges, colours, transfer functions, unit distances, the light's direction, weights and shadows come after them.
  * parts  key of source.now(); size: pixels; slabs: their number
  */
 export function sumsOf(state, parts, size, slabs) {

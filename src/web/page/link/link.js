@@ -17,7 +17,7 @@ export function firstState(page, panel) {
     show: 'T', field: -1, part: '',
     scale: null,     // null: the first view's; {log}: its logarithm, or not
     transfers: {},   // edited ones, by field
-    light: { on: false, towards: [0, 0, 0], weights: page.picture.light_weights }, clip: null, planes: [],
+    light: { on: false, towards: [0, 0, 0], weights: page.picture.light_weights, shadows: false, occlusion: false, scattering: 1 }, clip: null, planes: [],
     logAxis: false,  // of the values in the editor
     pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
   };
@@ -66,7 +66,7 @@ export function readLink(text) {
   const found = { settings: {}, request: {}, problems: [] };
   if (/^[^#]*?\{/.test(text)) {
     try {
-      const json = text.slice(text.indexOf('{'), text.lastIndexOf('}') + 1), given = JSON.parse(json.replaceAll("'\\''", "'")), unset = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'clip', 'clip_planes', 'camera'];
+      const json = text.slice(text.indexOf('{'), text.lastIndexOf('}') + 1), given = JSON.parse(json.replaceAll("'\\''", "'")), unset = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'clip', 'clip_planes', 'camera'];
       const request = given.picture ?? given;
       if (typeof request !== 'object') throw request;
       found.request = { ...Object.fromEntries(unset.map((key) => [key, null])), ...request };

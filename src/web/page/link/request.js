@@ -3,13 +3,18 @@
 import { isUsable } from '../camera.js';
 import { mostOwnPlanes } from '../picture/clip.js';
 import { reversed, walker } from '../picture/colors.js';
+import { towardsLight } from '../picture/light.js';
 import { mostOpacity, overRange } from '../picture/transfer.js';
 import { automaticRange, comparable, fieldKey, shownOf, shows } from '../quantity.js';
 import { length, sub } from '../vectors.js';
 
 /** Members of renderers and of files of pictures, which a page has not. */
 const ofFiles = ['size', 'slabs', 'renderer', 'pixel_error', 'kappa', 'aabb_sigma', 'interpolation', 'step', 'samples', 'anyhit', 'hits_per_slab',
-  'stop_transmittance', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'color_bar', 'axes', 'scale_bar', 'title', 'least_column'];
+  'stop_transmittance', 'color_bar', 'axes', 'scale_bar', 'title', 'least_column'];
+
+/** `light: "studio"`. */
+const studio = { shadows: true, occlusion: true, scattering: 3 };
+const mostOctaves = 16;  // of scattering
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
 const areNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);
@@ -135,9 +140,19 @@ export function partOfRequest(page, state, request, home) {
   take('tf', `one of ${page.maps.map(({ name }) => name).join(', ')}, or points`, (tf) => (ofValues ? {} : mapOf(page, tf)), { map: page.map, reverse: false });
   take('extinction', 'auto or a number above 0', (value) => (value === 'auto' ? { exposure: 1 } : isAbove(value) ? { exposure: value / model.extinction } : null), { exposure: 1 });
   take('blend', 'true or false', (fade) => (typeof fade === 'boolean' ? { fade } : null), { fade: false });
-  take('light', 'head or a direction x,y,z', (to) => (to === 'head' || isDirection(to) ? { light: { ...state.light, on: true, towards: to === 'head' ? [0, 0, 0] : to } } : null),
-       { light: { ...state.light, on: false } });
-  take('light_weights', 'four numbers', (weights) => (areNumbers(weights, 4) ? { light: { ...state.light, ...part.light, weights } } : null), {});
+  const lit = (more) => ({ light: { ...state.light, ...part.light, ...more } }), flag = (key, value) => (typeof value === 'boolean' ? lit({ [key]: value }) : null);
+  take('light', 'head, studio or a direction x,y,z', (to) => (to === 'studio' ? lit({ ...studio, on: false, towards: [0, 0, 0] })
+    : to === 'head' || isDirection(to) ? lit({ on: true, towards: to === 'head' ? [0, 0, 0] : to }) : null), lit({ on: false }));
+  take('light_weights', 'four numbers', (weights) => (areNumbers(weights, 4) ? lit({ weights }) : null), {});
+  const unlit = (less) => (request.light === 'studio' ? {} : lit(less));
+  take('shadows', 'true or false', (on) => flag('shadows', on), unlit({ shadows: false }));
+  take('ambient_occlusion', 'true or false', (on) => flag('occlusion', on), unlit({ occlusion: false }));
+  take('scattering', `1 to ${mostOctaves}`, (n) => (Number.isInteger(n) && n >= 1 && n <= mostOctaves ? lit({ scattering: n }) : null), unlit({ scattering: 1 }));
+  const { on } = part.light ?? state.light, own = (towards) => (on ? {} : lit({ towards }));
+  take('light_from', 'a direction x,y,z', (to) => (isDirection(to) ? own(to) : null), own([0, 0, 0]));
+  if (on && request.light_from) problems.push('light_from has no effect beside light, which has a direction');
+  else if (!(part.light ?? state.light).shadows)
+    for (const key of ['light_from', 'scattering']) if (request[key] && request[key] !== 1) problems.push(`${key} has no effect without shadows`);
   take('clip', 'x0,y0,z0,x1,y1,z1, the lower corner first', (clip) => {
     const c = Array.isArray(clip) ? clip.flat() : null;
     return areNumbers(c, 6) && [0, 1, 2].every((k) => c[k] < c[k + 3]) ? { clip: { lower: c.slice(0, 3), upper: c.slice(3) } } : null;
@@ -169,6 +184,9 @@ export function partOfRequest(page, state, request, home) {
   take('bands', 'rows', (bands) => (Array.isArray(bands) ? {} : null), {});
   take('threshold', 'a number', (value) => (Number.isFinite(value) ? {} : null), {});
   take('unit_distance', 'a length above 0', (value) => (isAbove(value) ? {} : null), {});
+  const { light } = part, view = part.camera ?? state.camera;
+  // As of the picture that the request is of: it stays where the view turns.
+  if (light?.shadows && !light.on && view && length(light.towards) === 0) light.towards = towardsLight(light, view);
   for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
 
   const stated = (...keys) => keys.some((key) => request[key] !== undefined);
@@ -208,8 +226,14 @@ export function requestOf(page, state, { scale, size, background }) {
     const { low, high, log, unit } = volume ? automaticRange(comparable(page, state.model), state.field) : scale;
     Object.assign(request, { range: [low, high], scale: log ? 'log' : 'linear', ...(volume && { unit_distance: unit }) });
   }
-  if (volume) request.light = state.light.on ? (length(state.light.towards) > 0 ? state.light.towards : 'head') : null;
-  if (volume && state.light.on) request.light_weights = state.light.weights;
+  if (volume) {
+    const { on, towards, weights, shadows, occlusion, scattering } = state.light, isAside = length(towards) > 0;
+    request.light = on ? (isAside ? towards : 'head') : null;
+    if (on || shadows || occlusion) request.light_weights = weights;
+    if (shadows || page.picture.shadows) request.shadows = shadows;
+    if (shadows) Object.assign(request, { scattering, ...(!on && isAside && { light_from: towards }) });
+    if (occlusion || page.picture.ambient_occlusion) request.ambient_occlusion = occlusion;
+  }
   if (state.clip || page.picture.clip) request.clip = state.clip ? [...state.clip.lower, ...state.clip.upper] : null;
   const planes = state.planes.filter(({ on }) => on).map(({ normal, offset }) => [...normal, offset]);
   if (planes.length > 0 || page.picture.clip_planes) request.clip_planes = planes.length > 0 ? planes : null;

@@ -53,6 +53,9 @@ export class Levels {
     return [{ instances, data: fields.get(field), first: 0, count: instances.length / instanceFloats }];
   }
 
+  /** Gaussians of the whole model, {instances, data: of the shown field}, for its shadows; null: none yet. */
+  whole() { return this.along()?.[0] ?? null; }
+
   /** Detail for the slider: {value, most, text}; and the change of the state for a value. */
   detail() {
     const { model, level } = this.view.state(), { count } = this.page.models[model].levels[level];

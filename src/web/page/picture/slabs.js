@@ -1,8 +1,9 @@
 // slabs.js: volume rendering by value: moments of a field added up in depth slabs, four a pass (with light two), classified and composited
 // front to back (docs/volume_rendering.md); largest values of a field, eight slabs a pass. Nothing is sorted. All slabs have the same depth and divide the
 // range of the picture, as in src/render/splat/volume.
-import { dot, isSame, normalized } from '../vectors.js';
+import { dot, isSame, length, mul, normalized, sub } from '../vectors.js';
 import { axesOf } from '../camera.js';
+import { ReachedLight, towardsLightCells } from './light.js';
 import { lightOf } from './transfer.js';
 
 const tableSize = [1024, 21];   // MeanLight of render/device/expected_light.h
@@ -28,6 +29,9 @@ export class Slabs {
     this.kept = { images: [], size: '', of: null };  // of all passes of the first sub-frame; of: name of the sums, null: none
     this.room = mostKept;
     this.ranges = texture();
+    this.rangesOf = null;  // name of their sums
+    this.reached = new ReachedLight(gl, reachedUnit);
+    this.lattice = null;   // of the reached light
     this.strip = texture();
     this.densest = texture();
     this.into = Object.fromEntries(['table', 'layers', 'ranges', 'strip', 'densest'].map((name) => [name, gl.createFramebuffer()]));
@@ -106,8 +110,8 @@ export class Slabs {
   /**
    * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours, or 1 and the largest value.
    * parts  [{gpu, first, count}] of renderer.js
-   * what   {field: its place, source: the page's field, transfer: null: the largest value, light: {on, towards, weights}, clip, slabs,
-   *         of: name of the sums, keep: whether to keep them}
+   * what   {field: its place, source: the page's field, transfer: null: the largest value, light: of the state, clip, slabs,
+   *         of: name of the sums, keep: whether to keep them, whole: {instances, data} of the whole model, or null, draft: whether ambient occlusion may be coarse}
    */
   add(parts, model, camera, what) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
@@ -120,16 +124,20 @@ export class Slabs {
       gl.clear(gl.COLOR_BUFFER_BIT);
     }
     if (parts.length > 0) {
-      if (what.transfer) this.setLight(what.transfer, what.source);
-      if (!this.isDrawn(what)) this.drawRange(parts, model, camera);
+      if (what.transfer) {
+        this.setLight(what.transfer, what.source);
+        this.lattice = this.reached.update(model, this.light, { ...what, camera });
+      }
+      if (!this.isDrawn(what) || this.rangesOf !== what.of) this.drawRange(parts, model, camera, what.of);
       for (let first = 0; first < height; first += rows) this.drawStrip(parts, model, camera, what, first);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     ++renderer.sums.subframes;
   }
 
-  drawRange(parts, model, camera) {
+  drawRange(parts, model, camera, of) {
     const { renderer } = this, { gl } = renderer;
+    this.rangesOf = of;
     renderer.target(this.into.ranges, [this.ranges]);
     gl.viewport(0, 0, 1, 1);
     gl.clearBufferfv(gl.COLOR, 0, [-60000, -60000, 0, 0]);  // finite in half floats, too
@@ -175,7 +183,7 @@ export class Slabs {
     if (what.transfer) {
       const word = wordOf(what.light), finish = renderer.program('screen.vert', finishShaders, word);
       this.setFinish(finish, model, camera, what, first);
-      const { table, pieces } = this, passes = passesOf(what), images = this.imagesOf(what);
+      const { table, pieces, ranges } = this, passes = passesOf(what), images = this.imagesOf(what);
       // No tau before the first and behind the last slab.
       const nothing = Array(layers).fill(this.densest), isDrawn = this.isDrawn(what);
       renderer.target(this.into.densest, [this.densest]);
@@ -184,8 +192,10 @@ export class Slabs {
       for (let pass = 0, before = nothing; pass <= passes; ++pass) {
         const now = pass < passes ? images[pass % images.length] : nothing, [before_0, before_1, before_2, before_3] = before;
         if (pass < passes && !isDrawn) this.drawLayers(now, parts, model, camera, what, word, first, pass * slabsOf[word]);
+        finish.use();
+        finish.set('first_slab', (pass - 1) * slabsOf[word]);
         // Under what is in front.
-        this.gather('strip', finish, now, { before_0, before_1, before_2, before_3, table, pieces }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
+        this.gather('strip', finish, now, { before_0, before_1, before_2, before_3, table, pieces, ranges }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
         before = now;
       }
       if (images === this.kept.images) this.kept.of = what.of;
@@ -196,7 +206,7 @@ export class Slabs {
   }
 
   setFinish(used, model, camera, what, first) {
-    const { right, up, forward } = axesOf(camera), { towards, on, weights } = what.light, { light, renderer } = this;
+    const { right, up, forward } = axesOf(camera), { towards, on, weights: [ambient, diffuse, ...shine], shadows } = what.light, { light, renderer, lattice } = this;
     used.use();
     renderer.setScreen(used, model, camera);
     used.set('first_row', first);
@@ -207,11 +217,22 @@ export class Slabs {
     used.set('parts_per_cell', what.slabs / 32);
     used.set('rounding', 4e-7);
     used.set('central', renderer.format.bits === 32 ? 0 : 1);
-    used.set('lighting', ...(on ? weights : [0, 0, 0, 0]));
-    const to = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
+    // Without a light from a direction all light is ambient.
+    used.set('lighting', ...(on || shadows ? [ambient, diffuse] : [ambient + diffuse, 0]), shine[0], on ? shine[1] : 0);
+    const to = length(towards) > 0 ? normalized(towards) : towards;
     used.set('towards_light', dot(to, right), dot(to, up), dot(to, forward));
     used.setInteger('reached', reachedUnit);
-    used.set('reaches', 0);
+    used.set('reaches', lattice ? 1 : 0);
+    if (!lattice) return;
+    used.set('slabs', what.slabs);
+    const place = (v) => v.map((one, k) => one / (lattice.edge * lattice.size[k])), eye = mul(1 / model.unit, sub(camera.eye, model.center));
+    // Centres of texels lie half a cell from the faces.
+    used.set('reach_eye', ...place(eye.map((one, k) => one - lattice.first[k] + 0.5 * lattice.edge)));
+    used.set('reach_edge', lattice.edge);
+    used.set('reach_light', ...place(mul(towardsLightCells * lattice.edge, lattice.towards)));
+    used.set('reach_right', ...place(right));
+    used.set('reach_up', ...place(up));
+    used.set('reach_forward', ...place(forward));
   }
 
   /** The largest density of each pixel's slabs, then the largest of the means that count. */

@@ -213,6 +213,12 @@ export class Site {
     });
   }
 
+  /** As Levels.whole(): the coarsest chunk. */
+  whole() {
+    const coarse = this.root?.kept?.coarse, data = coarse?.fields.get(this.needs().field);
+    return data ? { instances: coarse.instances, data } : null;
+  }
+
   frameTook(ms, moving) {
     if (moving && ms > slowMs) this.coarser = Math.min(mostCoarser, this.coarser * 1.4);
     if (moving && ms < fastMs) this.coarser = Math.max(1, this.coarser / 1.2);
