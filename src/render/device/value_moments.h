@@ -167,7 +167,7 @@ struct LitRay {
                          float out[4]) const {
         mean_light_of(light, m, parts, out);
         if (!lattice.any()) {
-            if (look.on) shade(look, m, towards_eye, {}, out);
+            if (look.on) shade(look, m, towards_eye, {1, 1}, out);
             return;
         }
         shade(look, m, towards_eye,

@@ -7,8 +7,8 @@ namespace vog::device {
 
 /// Shares of light that reach a point, 0 to 1.
 struct ReachedLight {
-    float direct = 1;   ///< of the light from its direction
-    float ambient = 1;  ///< of the light from all directions
+    float direct;   ///< of the light from its direction
+    float ambient;  ///< of the light from all directions
 };
 
 /// Shares at the centres of cubic cells along the world's axes, linear between them, and beyond the outer ones as there.

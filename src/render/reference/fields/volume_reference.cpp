@@ -70,7 +70,7 @@ class VoxelLight {
         const device::ReachedLight reached =
             lattice_.any()
                 ? lattice_.at(plain(ray.origin + t * ray.direction), plain(ray.towards_eye))
-                : device::ReachedLight{};
+                : device::ReachedLight{1, 1};
         const auto [body, shine] =
             lighting_(lighting_.on() ? gradient() : Vec3d{}, ray.towards_eye, reached);
         for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
