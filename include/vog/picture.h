@@ -195,7 +195,7 @@ struct PictureRequest {
 };
 /// The request's depth slabs, or as many as what it shows has by default.
 inline int depth_slabs(const PictureRequest& request) {
-    const int light = request.look.light ? kLitSlabs : kVolumeSlabs;
+    const int light = request.look.is_lit() ? kLitSlabs : kVolumeSlabs;
     return request.slabs.value_or(request.show == Show::maximum ? kMaximumSlabs : light);
 }
 

@@ -37,6 +37,9 @@ struct VolumeLook {
     /// Source: Wrenninge, "Oz: The Great and Volumetric", SIGGRAPH 2013 talks.
     int octaves = 1;
     Clipping clip{};  ///< space that is shown; exact on every ray
+
+    /// Whether light changes with the place: it shows the thickness of slabs.
+    bool is_lit() const { return light || shadows || occlusion || studio; }
     friend bool operator==(const VolumeLook&, const VolumeLook&) = default;
 };
 /// Direction towards a light from the upper left of a view, world units.

@@ -87,7 +87,7 @@ const busy = () => Boolean(moving || player?.playing);
 
 const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, isMeasure });
 
-const slabsNow = () => page.slabs[state.show !== 'volume' ? 1 : state.light.on ? 2 : 0];
+const slabsNow = () => page.slabs[state.show !== 'volume' ? 1 : state.light.on || state.light.shadows || state.light.occlusion ? 2 : 0];
 /** What pictures are finished with after their slabs are drawn. */
 const finishNow = () => (state.show === 'volume' ? [transferNow(), state.light, isDraft()] : []);
 /** Whether ambient occlusion is of larger cells. */

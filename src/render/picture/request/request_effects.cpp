@@ -59,7 +59,7 @@ void require_effects(const PictureRequest& request) {
         refuse_beside("aabb_sigma", fmt::format("on show '{}' with renderer '{}'", show,
                                                 info_of(*request.renderer).name));
     const VolumeLook& look = request.look;
-    if (!look.light && !look.studio && !look.shadows && !look.occlusion)
+    if (!look.is_lit())
         refuse_beside("light_weights", "without `light`, `shadows` or `ambient_occlusion`");
     if (!look.shadows && !look.studio)
         for (const char* key : {"light_from", "scattering"})
