@@ -80,7 +80,7 @@ def cases():
         yield command, [MODEL, "-o", "{out}/" + output]
     for layout in ("3dgs", "volprim"):
         yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]
-    for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head"):
+    for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head", "volume --shadows"):
         yield "page", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
     yield "page", ["{made}/many.ply", "-o", "{out}/p.html"]
     yield "page", [MODEL, "{made}/other.ply", "-o", "{out}/site/", "--site"]

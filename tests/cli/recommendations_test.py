@@ -31,7 +31,7 @@ ROWS = [
     ("render m.ply -o p.png --set least-column=0.1", r"works with (--show mean)", "+ --field temperature"),
     ("render m.ply -o p.png --show mean --field temperature --depth-out t.exr", r"use (--values-out FILE.exr)", "render m.ply -o p.png --show mean --field temperature {0}"),
     ("render m.ply -o p.png --set light-weights=1,1,1,1 --show volume", r"needs (--light)", "+ head"),
-    ("render m.ply -o p.png --light-from 1,2,1 --show volume", r"needs (--shadows) or --light", "+"),
+    ("render m.ply -o p.png --light-from 1,2,1 --show volume", r"needs (--shadows) or --light studio", "+"),
     ("render m.ply -o p.png --steps", r"needs (--turntable)", "render m.ply m2.ply -o turn/ --steps {0} 2"),
     ("render m.ply -o p.png --set fps=3", r"works with (-o FILE.mp4)", None),
     ("render c.nrrd -o p.png --set step=0.5", r"works with (--interpolation linear)", "+"),

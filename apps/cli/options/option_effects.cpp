@@ -105,7 +105,7 @@ const std::vector<Row> kRows = {
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
     {"", "--set.light-weights", "--light --shadows --ambient-occlusion", "*"},
-    {"", "--light-from --set.scattering", "--shadows --light", "*"},
+    {"", "--light-from --set.scattering", "--shadows --light=studio", "*"},
     {"", "--tf --range --scale", "--window", "-"},
     {"", "--tf --range --scale --window", "--band", "-"},
     {"", "--tf --range --scale --window", "--iso", "-"},
@@ -165,10 +165,14 @@ std::optional<std::string> value_of(const std::string& fact, const GivenOptions&
         const auto found = facts.find(fact);
         return found == facts.end() ? std::nullopt : std::optional(found->second);
     }
-    if (fact.find(' ') != fact.npos) {  // one of several options
+    if (fact.find(' ') != fact.npos) {  // one of several options, or of their values
         std::optional<std::string> any;
-        for (const std::string& option : words(fact))
-            if (!any || *any == "-") any = command.value(option);
+        for (const std::string& one : words(fact)) {
+            const std::size_t equals = one.find('=');
+            std::optional<std::string> value = command.value(one.substr(0, equals));
+            if (value && equals != one.npos && *value != one.substr(equals + 1)) value = "-";
+            if (value && (!any || *any == "-")) any = value;
+        }
         return any;
     }
     const std::optional<std::string> value = command.value(fact);
@@ -244,7 +248,11 @@ std::string refusal(const Row& row, const std::string& option, const std::string
     const std::string fact = row.fact;
     if (values == std::vector<std::string>{"-"})
         return fmt::format("{} and {} exclude each other", option, fact);
-    if (contains(values, "*")) return fmt::format("{} needs {}", option, listed(words(fact)));
+    if (contains(values, "*")) {
+        std::string needed = listed(words(fact));
+        std::ranges::replace(needed, '=', ' ');
+        return fmt::format("{} needs {}", option, needed);
+    }
     std::erase(values, "-");
     if (actual == "-") return fmt::format("{} needs {}", option, spelled(fact, values, facts));
     return fmt::format("{} has no effect with {}; {}", option, spelled(fact, {actual}, facts),
