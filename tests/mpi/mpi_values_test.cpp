@@ -20,6 +20,7 @@ TEST_P(mpi_values, models_by_value_are_the_same) {
                                  "--slabs 7 "
                                  "--clip 0,0,0,40,90,90"),
               kSamePicture);
+    EXPECT_LE(picture_difference("e.ply --light studio --tf viridis"), kSamePicture);
     EXPECT_LE(maximum_difference("e.ply"), kSamePicture);
     for (const std::string clip : {"", "--clip -0.2,-0.4,-1,0.3,0.2,1 --clip 1,1,0,-0.1 "}) {
         SCOPED_TRACE(clip);

@@ -57,6 +57,7 @@ TEST_P(mpi_volume_values, emission_and_absorption_are_the_same) {
               kSamePicture);
     EXPECT_LE(picture_difference("e.vdb --light 1,2,1 --unit-distance 0.02 --view -z"),
               kSamePicture);
+    EXPECT_LE(picture_difference("e.vdb --light studio --tf viridis"), kSamePicture);
 }
 
 /// The leaf of a voxel and those of its neighbours may be of different ranks, of the field as of the density.

@@ -38,7 +38,8 @@ DepthRange SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::
     return all;
 }
 
-void KeptSums::begin(int tiles) {
+void KeptSums::begin(int tiles, const SlabDepths& depths) {
+    depths_ = depths;
     tiles_.clear();
     tiles_.resize(static_cast<std::size_t>(tiles));
     bytes_ = 0;
@@ -154,6 +155,7 @@ void SlabPicture::write(const SlabCell& cell, Rgba* image) const {
 }
 
 void SlabPicture::finish_cell(SlabCell& cell, Rgba* image) const {
+    cell.depths = depths;  // of sums that another thread or process added up
     if (light)
         slab_kernels(kernels).composite(*light, cell);
     else

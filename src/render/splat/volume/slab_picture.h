@@ -44,8 +44,9 @@ class KeptSums {
     /// Memory that they take at most, bytes.
     static constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
-    /// Forgets all; tiles of a picture that follows.
-    void begin(int tiles);
+    /// Forgets all; tiles and depths of a picture that follows.
+    void begin(int tiles, const SlabDepths& depths);
+    const SlabDepths& depths() const { return depths_; }
     /// Adds a cell of tile t. For one thread per tile.
     void add(int t, const SlabCell& cell);
     /// Whether all cells are here: they had enough memory.
@@ -69,6 +70,7 @@ class KeptSums {
         std::vector<SlabPlane> planes;
     };
     std::vector<std::vector<Kept>> tiles_;
+    SlabDepths depths_;
     std::atomic<std::size_t> bytes_ = 0;
 };
 

@@ -172,7 +172,10 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
         set_reached(*light, view, *finish);
     }
     if (light && !processes) drawn.kept = sums_for({camera, width, height});
-    if (kept_view && drawn.kept) return drawn.draw_kept(buffers, picture.pixel.data());
+    if (kept_view && drawn.kept) {
+        drawn.depths = kept.depths();
+        return drawn.draw_kept(buffers, picture.pixel.data());
+    }
     ++drawn_pictures;
     DepthRange depths = kNoDepths;
     for (std::size_t n = 0; n < batches.size(); ++n)
@@ -183,12 +186,12 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
                                           double{drawn.depths.thickness});
     if (processes) return draw_parts(drawn, buffers, *processes, picture.pixel.data());
     const TileBins& bins = batches.front().splats.bins;
-    if (drawn.kept) kept.begin(bins.tiles());
+    if (drawn.kept) kept.begin(bins.tiles(), drawn.depths);
     struct Nothing {};
     draw_tiles<Nothing>(
         bins, [&](int t, Nothing) { drawn.draw_tile(t, buffers.local(), picture.pixel.data()); });
     if (!drawn.kept) return;
-    if (!kept.complete()) kept.begin(0);
+    if (!kept.complete()) kept.begin(0, {});
     kept_view = {camera, width, height};
 }
 
