@@ -136,8 +136,8 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
         const bool general = member.group == "Quantity" || member.group == "Colour";
         const bool special = member.group == "Clipping" || member.shows.starts_with("volume");
         // Maps of pages have the data's units, and show every pixel.
-        const bool off_page = member.key == "units" || member.key == "least_column";
-        if (!(general || special) || off_page) continue;
+        if (!(general || special) || member.key == "units" || member.key == "least_column")
+            continue;
         const OptionGroup grouped(command,
                                   general && !group.empty() ? group : spelled(member.group));
         add_option(command, words, member);

@@ -125,7 +125,8 @@ void GlSlabs::set_reached(const GlVolume& volume, const CameraFrame& frame) {
     std::vector<std::array<float, 3>> texels(count);
     for (std::size_t n = 0; n < count; ++n)
         texels[n] = {lattice.direct ? lattice.direct[n] : 1,
-                     lattice.ambient ? lattice.ambient[n] : 1, lattice.opaque[n]};
+                     lattice.ambient ? lattice.ambient[n] : 1,
+                     lattice.opaque ? lattice.opaque[n] : 0};
     glActiveTexture(GL_TEXTURE0 + kReachedUnit);
     glBindTexture(GL_TEXTURE_3D, reached_texture_);
     glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB16F, lattice.size[0], lattice.size[1], lattice.size[2], 0,

@@ -159,16 +159,13 @@ ExtinctionLattice::ExtinctionLattice(const Box& box, int most_cells) : cells(mos
 void ExtinctionLattice::clip(const Clipping& clip) {
     if (clip.empty()) return;
     for (int z = 0; z < size.z; ++z)
-        for (int y = 0; y < size.y; ++y)
-            for (int x = 0; x < size.x; ++x) {
-                const Vec3d p = first + edge * Vec3d{double(x), double(y), double(z)};
-                bool stays = !clip.box || (p.x >= clip.box->lower.x && p.x <= clip.box->upper.x &&
-                                           p.y >= clip.box->lower.y && p.y <= clip.box->upper.y &&
-                                           p.z >= clip.box->lower.z && p.z <= clip.box->upper.z);
-                for (const ClipPlane& plane : clip.planes)
-                    stays = stays && dot(plane.normal, p) >= plane.offset;
-                if (!stays) sum[at(x, y, z)] = 0;
-            }
+        for (int y = 0; y < size.y; ++y) {
+            const RayInterval stays =
+                clipped_ray(clip, first + edge * Vec3d{0, double(y), double(z)}, {edge, 0, 0});
+            for (int x = 0; x < size.x; ++x)
+                if (!(stays.first < stays.last) || x < stays.first || x > stays.last)
+                    sum[at(x, y, z)] = 0;
+        }
 }
 
 void add_extinction(const Gaussians& gaussians, const ScalarField& field,

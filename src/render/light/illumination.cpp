@@ -121,7 +121,8 @@ std::vector<float> depths_towards(const ExtinctionLattice& extinction, Vec3d tow
 
 namespace {
 
-/// Share of opaque matter in a cell or one beside it: 0 of an optical depth far below 4, 1 far above, over a model's cell.
+/// Share of opaque matter in a cell or one beside it: 0 of an optical depth far below 4, 1 far above, over a model's cell. None where
+/// no cell has a hundredth.
 std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
     constexpr double kHalf = 4;
     std::vector<double> most = extinction.sum, before;
@@ -143,40 +144,41 @@ std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
         const double square = depth * depth;
         opaque[n] = static_cast<float>(square / (kHalf * kHalf + square));
     }
+    if (std::ranges::max(opaque) < 0.01f) opaque.clear();
     return opaque;
 }
 
 }  // namespace
 
-Illumination::Illumination(const ExtinctionLattice& extinction, const VolumeLook& look,
-                           Vec3d towards)
-    : first_(extinction.first),
+Illumination::Illumination(const ExtinctionLattice& extinction)
+    : opaque_(opaque_cells(extinction)),
+      first_(extinction.first),
       edge_(extinction.edge),
       size_(extinction.size),
-      shift_(double(extinction.cells) / kModelCells) {
-    if (look.shadows) towards_ = normalized(towards);
-    opaque_ = opaque_cells(extinction);
-    if (look.shadows) {
-        // Wrenninge's octaves: light scattered again and again passes through more.
-        const std::vector<float> depths = depths_towards(extinction, towards);
-        direct_.resize(depths.size());
-        float whole = 0;
-        for (int octave = 0; octave < look.octaves; ++octave) {
-            const float part = std::exp2(static_cast<float>(-octave));
-            whole += part;
-            for (std::size_t n = 0; n < depths.size(); ++n)
-                direct_[n] += part * std::exp(-part * depths[n]);
-        }
-        for (float& share : direct_) share /= whole;
+      shift_(double(extinction.cells) / kModelCells) {}
+
+void Illumination::set_direct(const ExtinctionLattice& extinction, Vec3d towards, int octaves) {
+    // Wrenninge's octaves: light scattered again and again passes through more.
+    const std::vector<float> depths = depths_towards(extinction, towards);
+    direct_.assign(depths.size(), 0);
+    float whole = 0;
+    for (int octave = 0; octave < octaves; ++octave) {
+        const float part = std::exp2(static_cast<float>(-octave));
+        whole += part;
+        for (std::size_t n = 0; n < depths.size(); ++n)
+            direct_[n] += part * std::exp(-part * depths[n]);
     }
-    if (look.occlusion) {
-        constexpr int kDirections = 24;
-        ambient_.resize(extinction.sum.size());
-        for (const Vec3d& direction : all_directions(kDirections)) {
-            const std::vector<float> depths = depths_towards(extinction, direction);
-            for (std::size_t n = 0; n < depths.size(); ++n)
-                ambient_[n] += std::exp(-depths[n]) / kDirections;
-        }
+    for (float& share : direct_) share /= whole;
+    towards_ = normalized(towards);
+}
+
+void Illumination::set_ambient(const ExtinctionLattice& extinction) {
+    constexpr int kDirections = 24;
+    ambient_.assign(extinction.sum.size(), 0);
+    for (const Vec3d& direction : all_directions(kDirections)) {
+        const std::vector<float> depths = depths_towards(extinction, direction);
+        for (std::size_t n = 0; n < depths.size(); ++n)
+            ambient_[n] += std::exp(-depths[n]) / kDirections;
     }
 }
 
@@ -186,29 +188,62 @@ Vec3d towards_of(const VolumeLook& look, Vec3d forward) {
     return length(look.towards_light) > 0 ? look.towards_light : -forward;
 }
 
-}  // namespace
+bool is_absorbed(const VolumeLook& look) { return look.shadows || look.occlusion; }
 
-Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d forward) {
-    if (!look.shadows && !look.occlusion) return {};
+ExtinctionLattice extinction_of(const LitModel& model, const VolumeLook& look) {
     ExtinctionLattice lattice(view_box(model.gaussians), kModelCells);
     add_extinction(model.gaussians, model.field, model.light, model.unit, model.processes, lattice);
     lattice.clip(look.clip);
-    return {lattice, look, towards_of(look, forward)};
+    return lattice;
+}
+
+Illumination illumination(const ExtinctionLattice& extinction, const VolumeLook& look,
+                          Vec3d forward) {
+    Illumination light(extinction);
+    if (look.shadows) light.set_direct(extinction, towards_of(look, forward), look.octaves);
+    if (look.occlusion) light.set_ambient(extinction);
+    return light;
+}
+
+}  // namespace
+
+Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d forward) {
+    if (!is_absorbed(look)) return {};
+    return illumination(extinction_of(model, look), look, forward);
 }
 
 bool KeptIllumination::update(int version, const LitModel& model, const VolumeLook& look,
                               Vec3d forward) {
+    bool changes = false;
+    if (version != version_ || !(look.clip == look_.clip)) {
+        changes = extinction_.has_value();
+        *this = {};
+        version_ = version, look_.clip = look.clip;
+    }
+    if (is_absorbed(look) && !extinction_) {
+        extinction_ = extinction_of(model, look);
+        light_ = Illumination(*extinction_);
+    }
     const Vec3d towards = look.shadows ? towards_of(look, forward) : Vec3d{};
-    if (version == version_ && look == look_ && towards == towards_) return false;
-    light_ = illumination(model, look, forward);
-    version_ = version, look_ = look, towards_ = towards;
-    return true;
+    if (look.shadows != look_.shadows || towards != towards_ ||
+        (look.shadows && look.octaves != look_.octaves)) {
+        light_.clear_direct();
+        if (look.shadows) light_.set_direct(*extinction_, towards, look.octaves);
+        changes = true;
+    }
+    if (look.occlusion != look_.occlusion) {
+        light_.clear_ambient();
+        if (look.occlusion) light_.set_ambient(*extinction_);
+        changes = true;
+    }
+    look_ = look, towards_ = towards;
+    return changes;
 }
 
 Illumination illumination(std::span<const Volume> volumes, std::span<const VoxelField> fields,
                           const ValueTransfer& transfer, const VolumeLook& look, Vec3d forward,
                           const Collective* processes) {
-    if (!look.shadows && !look.occlusion) return {};
+    if (!is_absorbed(look)) return {};
     Box box;
     for (const Volume& volume : volumes) box.include(world_box(volume));
     if (processes) {
@@ -222,14 +257,14 @@ Illumination illumination(std::span<const Volume> volumes, std::span<const Voxel
         add_extinction(volumes[n], fields[n], transfer, lattice);
     if (processes) processes->sum(lattice.sum);
     lattice.clip(look.clip);
-    return {lattice, look, towards_of(look, forward)};
+    return illumination(lattice, look, forward);
 }
 
 device::LightLattice Illumination::lattice(Vec3d origin, double unit) const {
     const Vec3d first = (1 / unit) * (first_ - origin);
     return {direct_.empty() ? nullptr : direct_.data(),
             ambient_.empty() ? nullptr : ambient_.data(),
-            opaque_.data(),
+            opaque_.empty() ? nullptr : opaque_.data(),
             {size_.x, size_.y, size_.z},
             {first.x, first.y, first.z},
             unit / edge_,

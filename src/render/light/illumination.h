@@ -1,6 +1,7 @@
 // illumination.h: Light that reaches points of a volume, through what absorbs it on the way.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "render/device/light/light_lattice.h"
@@ -18,8 +19,14 @@ class Illumination {
   public:
     /// All light reaches every point.
     Illumination() = default;
-    /// towards  direction to the light, world, of any length > 0
-    Illumination(const ExtinctionLattice& extinction, const VolumeLook& look, Vec3d towards);
+    explicit Illumination(const ExtinctionLattice& extinction);
+    /// Light from a direction, of any length > 0, world.
+    /// octaves  of multiple scattering
+    void set_direct(const ExtinctionLattice& extinction, Vec3d towards, int octaves);
+    /// Light from all directions.
+    void set_ambient(const ExtinctionLattice& extinction);
+    void clear_direct() { direct_.clear(), towards_ = {}; }
+    void clear_ambient() { ambient_.clear(); }
 
     /// Valid while this lives, unchanged; for points relative to an origin, in a unit of length.
     device::LightLattice lattice(Vec3d origin = {}, double unit = 1) const;
@@ -30,7 +37,8 @@ class Illumination {
     double edge() const { return edge_; }
 
   private:
-    std::vector<float> direct_, ambient_, opaque_;
+    std::vector<float> direct_, ambient_;
+    std::vector<float> opaque_;  ///< empty: no cell is
     Vec3d towards_{};
     Vec3d first_{};
     double edge_ = HUGE_VAL;
@@ -51,7 +59,7 @@ struct LitModel {
 /// returns    all light everywhere for a look without shadows and occlusion
 Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d forward);
 
-/// That of a model's latest picture.
+/// That of a model's latest picture. Another light keeps the lattice, and what does not depend on the light.
 class KeptIllumination {
   public:
     /// version  another one for another transfer function or field
@@ -60,6 +68,7 @@ class KeptIllumination {
     const Illumination& operator*() const { return light_; }
 
   private:
+    std::optional<ExtinctionLattice> extinction_;
     Illumination light_;
     int version_ = -1;
     VolumeLook look_{};

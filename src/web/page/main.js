@@ -90,7 +90,7 @@ const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, 
 const slabsNow = () => page.slabs[state.show !== 'volume' ? 1 : state.light.on || state.light.shadows || state.light.occlusion ? 2 : 0];
 /** What pictures are finished with after their slabs are drawn. */
 const finishNow = () => (state.show === 'volume' ? [transferNow(), state.light, isDraft()] : []);
-/** Whether ambient occlusion is of larger cells. */
+/** Whether ambient occlusion uses larger cells. */
 const isDraft = () => state.light.occlusion && Boolean(editing || !source.complete);
 /** Which sums there are, and what may be edited after them: the exposure of streamed models decides what is hidden. */
 const editsNow = () => [[state.show, state.field, state.model].join(' '), page.site && state.show === 'T' && state.exposure, ...finishNow()];

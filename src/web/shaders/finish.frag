@@ -36,6 +36,7 @@ const int kSlabs = 4;
 const float kShare = 0.95, kMostSkewness = 3.0, kMostVariance = 0.25, kLeastVariance = kMostVariance / 524288.0;
 const int kColumns = 1024, kRows = 21, kSteps = 6;
 const float kSurfaceDepth = 0.2, kSurfaceShare = 0.5;
+const float kTowardsEye = 2.0;  // LightLattice
 
 struct Moments {
     float tau, mean, variance, third;
@@ -95,7 +96,7 @@ vec2 reached_in(float slab, vec3 along) {
     if (reaches == 0.0) return vec2(1.0);
     vec2 range = texelFetch(ranges, ivec2(0), 0).xy;
     float depth = (range.x + range.y) / slabs * (slab + 0.5) - range.x;
-    float opaque = textureLod(reached, reached_at(depth, along), 0.0).z, towards_eye = 2.0 * reach_edge / (parallel == 1.0 ? 1.0 : length(along));
+    float opaque = textureLod(reached, reached_at(depth, along), 0.0).z, towards_eye = kTowardsEye * reach_edge / (parallel == 1.0 ? 1.0 : length(along));
     return textureLod(reached, reached_at(depth - opaque * towards_eye, along) + opaque * reach_light, 0.0).xy;
 }
 

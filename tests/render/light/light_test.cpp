@@ -13,6 +13,7 @@
 #include "render/trace/trace.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
+#include "support/model_psnr.h"
 #include "support/scenes.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
@@ -69,15 +70,6 @@ Camera from(Vec3d eye, double width = 0) {
     camera.look_at = {0.1, 0.05, -0.1};
     camera.orthographic_width = width;
     return camera;
-}
-
-double psnr(const VolumeImage& a, const VolumeImage& b) {
-    double sum = 0;
-    for (std::size_t n = 0; n < a.pixel.size(); ++n)
-        for (const float d : {a.pixel[n].r - b.pixel[n].r, a.pixel[n].g - b.pixel[n].g,
-                              a.pixel[n].b - b.pixel[n].b})
-            sum += double{d} * double{d};
-    return -10 * std::log10(sum / (3.0 * double(a.pixel.size())));
 }
 
 Gaussians colored_model() {

@@ -11,6 +11,7 @@
 #include "render/trace/trace.h"
 #include "support/emulated_gpu.h"
 #include "support/field_models.h"
+#include "support/model_psnr.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/volume_picture.h"
@@ -91,15 +92,6 @@ std::vector<Draw> all_draws() {
     std::vector<Draw> all = slab_draws();
     all.emplace_back(traced);
     return all;
-}
-
-double psnr(const VolumeImage& a, const VolumeImage& b) {
-    double sum = 0;
-    for (std::size_t n = 0; n < a.pixel.size(); ++n)
-        for (const float d : {a.pixel[n].r - b.pixel[n].r, a.pixel[n].g - b.pixel[n].g,
-                              a.pixel[n].b - b.pixel[n].b})
-            sum += double{d} * double{d};
-    return -10 * std::log10(sum / (3.0 * double(a.pixel.size())));
 }
 
 /// T of Gaussian i along the ray of a pixel.

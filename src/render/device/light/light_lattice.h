@@ -12,19 +12,20 @@ struct ReachedLight {
 };
 
 /// Shares at the centres of cubic cells along the world's axes, linear between them, and beyond the outer ones as there.
-/// Of surfaces the lattice knows the place to a cell. Beside opaque matter light is therefore looked up in front of it: towards
-/// the eye, where nothing absorbs that lies before what is seen, and towards the light.
+/// The lattice knows the place of a surface only to a cell. Points beside opaque matter therefore look their light up in front of it:
+/// towards the eye, since nothing in front of what is seen absorbs, and towards the light.
 struct LightLattice {
     static constexpr float kTowardsEye = 2, kTowardsLight = 1.25f;  ///< cells
 
     const float* direct;   ///< [size z][size y][size x]; null: all light reaches every point
-    const float* ambient;  ///< likewise
-    const float* opaque;   ///< likewise, share of the way to the eye and to the light; null: none
-    int32_t size[3];       ///< at least 2
-    Double3 first;         ///< centre of the first cell
-    double per_edge;       ///< cells per unit of length
-    Double3 towards;       ///< the light; unit length, or 0 0 0
-    double shift;          ///< factor of kTowardsEye and kTowardsLight
+    const float* ambient;  ///< the same for ambient light
+    /// [size z][size y][size x] how far towards the eye and the light a point looks its light up, 0 to 1; null: nowhere
+    const float* opaque;
+    int32_t size[3];  ///< at least 2
+    Double3 first;    ///< centre of the first cell
+    double per_edge;  ///< cells per unit of length
+    Double3 towards;  ///< the light; unit length, or 0 0 0
+    double shift;     ///< factor of kTowardsEye and kTowardsLight
 
     VOG_HD bool any() const { return direct || ambient; }
     /// A value between cells.
@@ -33,9 +34,11 @@ struct LightLattice {
     /// towards_eye  unit length
     VOG_HD ReachedLight at(Double3 point, Double3 towards_eye) const {
         Double3 place = per_edge * (point - first);
-        const double away = shift * static_cast<double>(between(opaque, place));
-        place = place + (away * static_cast<double>(kTowardsEye)) * towards_eye +
-                (away * static_cast<double>(kTowardsLight)) * towards;
+        if (opaque) {
+            const double away = shift * static_cast<double>(between(opaque, place));
+            place = place + (away * static_cast<double>(kTowardsEye)) * towards_eye +
+                    (away * static_cast<double>(kTowardsLight)) * towards;
+        }
         return {direct ? between(direct, place) : 1, ambient ? between(ambient, place) : 1};
     }
 };

@@ -189,7 +189,7 @@ std::vector<Entry> volume_entries() {
           kVolume,
           "head|studio|X,Y,Z",
           "Light of Blinn and Phong on the gradient of the values: head (from the eye) or a "
-          "direction of the world towards the light; or studio: no such shading, but `shadows`, "
+          "direction of the world towards the light. studio: no shading, but `shadows`, "
           "`ambient_occlusion` and three octaves of `scattering`",
           "",
           {},
@@ -198,8 +198,8 @@ std::vector<Entry> volume_entries() {
         {{"shadows",
           kVolume,
           "",
-          "Shadows: light is absorbed on its way from the direction of `light`, without that from "
-          "`light_from`",
+          "Cast shadows: matter absorbs light on its way. The light comes from the direction that "
+          "`light` gives, otherwise from `light_from`",
           "",
           {},
           "volume"},
@@ -207,8 +207,9 @@ std::vector<Entry> volume_entries() {
         {{"light_from",
           kVolume,
           "X,Y,Z",
-          "Direction of the world towards the light of `shadows`, without shading by gradients; "
-          "default: from the upper left of the view",
+          "Direction of the world towards the light that casts `shadows`, without shading "
+          "surfaces; "
+          "default: the upper left of the view",
           "",
           {},
           "volume"},
@@ -216,8 +217,9 @@ std::vector<Entry> volume_entries() {
         {{"ambient_occlusion",
           kVolume,
           "",
-          "Ambient light is absorbed on its way from all directions: hollows are darker. Without "
-          "`light` and `shadows` all light is ambient",
+          "Darken hollows: matter absorbs ambient light, which comes from all directions. All "
+          "light "
+          "is ambient unless `light` or `shadows` is given",
           "",
           {},
           "volume"},
@@ -225,7 +227,7 @@ std::vector<Entry> volume_entries() {
         {{"scattering",
           kVolume,
           "OCTAVES",
-          "Octaves of multiple scattering, which brighten the inside of shadows: clouds have 8",
+          "Octaves of multiple scattering, which brighten shadows; 8 suits clouds",
           "1",
           {},
           "volume"},

@@ -136,7 +136,6 @@ void SlabRunOfTiles::composite(const Packets& from, Rgba* image) const {
     vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
         if (!is_own(n)) return;
         SlabCell& cell = buffers.local().cell;
-        cell.depths = drawn.depths;
         for (int c = 0; c < kCells; ++c) {
             const auto& parts = blocks[n * kCells + static_cast<std::size_t>(c)];
             if (parts.empty()) continue;

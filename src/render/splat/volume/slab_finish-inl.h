@@ -302,6 +302,11 @@ HWY_NOINLINE ReachedLanes<V> reached_at(D d, const SlabLight& of, const CellRays
     using Lattice = device::LightLattice;
     const Lattice& lattice = of.lattice;
     const V zero = hn::Zero(d);
+    if (!lattice.opaque) {
+        const PlaceLanes<D> here = place_at(d, of, rays, n, depth, zero);
+        return {between(d, lattice, lattice.direct, here),
+                between(d, lattice, lattice.ambient, here)};
+    }
     const V opaque = between(d, lattice, lattice.opaque, place_at(d, of, rays, n, depth, zero));
     const V edge = hn::Set(d, static_cast<float>(Lattice::kTowardsEye / lattice.per_edge));
     const V shift = hn::Div(hn::Mul(opaque, edge), hn::Load(d, rays.length.data() + n));

@@ -185,7 +185,7 @@ export function partOfRequest(page, state, request, home) {
   take('threshold', 'a number', (value) => (Number.isFinite(value) ? {} : null), {});
   take('unit_distance', 'a length above 0', (value) => (isAbove(value) ? {} : null), {});
   const { light } = part, view = part.camera ?? state.camera;
-  // As of the picture that the request is of: it stays where the view turns.
+  // The light of the first view: it does not turn with the camera.
   if (light?.shadows && !light.on && view && length(light.towards) === 0) light.towards = towardsLight(light, view);
   for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
 
