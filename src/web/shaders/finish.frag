@@ -36,7 +36,7 @@ const int kSlabs = 4;
 const float kShare = 0.95, kMostSkewness = 3.0, kMostVariance = 0.25, kLeastVariance = kMostVariance / 524288.0;
 const int kColumns = 1024, kRows = 21, kSteps = 6;
 const float kSurfaceDepth = 0.2, kSurfaceShare = 0.5;
-const float kTowardsEye = 2.0;  // LightLattice
+const float kTowardsEye = 3.0;  // LightLattice
 
 struct Moments {
     float tau, mean, variance, third;

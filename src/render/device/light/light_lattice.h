@@ -15,7 +15,7 @@ struct ReachedLight {
 /// The lattice knows the place of a surface only to a cell. Points beside opaque matter therefore look their light up in front of it:
 /// towards the eye, since nothing in front of what is seen absorbs, and towards the light.
 struct LightLattice {
-    static constexpr float kTowardsEye = 2, kTowardsLight = 1.25f;  ///< cells
+    static constexpr float kTowardsEye = 3, kTowardsLight = 2;  ///< cells
 
     const float* direct;   ///< [size z][size y][size x]; null: all light reaches every point
     const float* ambient;  ///< the same for ambient light

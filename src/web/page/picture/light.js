@@ -12,7 +12,7 @@ const mostReach = 3, cellVariance = 1 / 12;  // deviations; cells squared, of a 
 const directions = 24;                      // of ambient light
 const pairShare = 0.95, mostSkewness = 3;        // NormalPair of render/device/expected_light.h
 const halfOpaque = 4;                       // optical depth of a cell
-export const towardsLightCells = 1.25;      // kTowardsLight of render/device/light/light_lattice.h
+export const towardsLightCells = 2;         // kTowardsLight of render/device/light/light_lattice.h
 
 /** Mean extinction of values with these moments for the measure 1. */
 function meanExtinction(mean, variance, third, extinction) {
