@@ -212,6 +212,33 @@ TEST(light, every_renderer_of_models_has_the_same_light) {
         }
 }
 
+TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
+    const Gaussians model = colored_model();
+    const ScalarField& field = model.fields.scalar.front();
+    ValueTransfer opaque = colors_of(field);
+    opaque.unit_distance = 0.002;
+    const by_value::LightOfMoments light(opaque, by_value::value_range(field), field.is_measure);
+    SlabOptions options;
+    options.look = shadows({1, 2, 1});
+    options.look.occlusion = true;
+    ASSERT_TRUE(
+        lights::illumination({model, field, light}, options.look, {0, 0, 1}).lattice().opaque);
+    Camera camera = from({2, 1.5, 3});
+    camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
+    const VolumeImage splat =
+        render_volume_splat(model, field.name, opaque, camera, 48, 48, options);
+    for (const EmulatedGpu& gpu : emulated_gpus()) {
+        gpu.prepare();
+        const VolumeImage picture =
+            GpuPictures(gpu.renderer, model)
+                .volume(field.name, opaque, camera, 48, 48, options.slabs, options.look);
+        EXPECT_GT(psnr(splat, picture), 55) << gpu.name;
+    }
+    const VolumeImage trace =
+        render_volume_trace(model, field.name, opaque, camera, 48, 48, {}, {}, options.look);
+    EXPECT_GT(psnr(splat, trace), 25);
+}
+
 TEST(light, a_sphere_is_lit_evenly) {
     // Opaque within a cell of the lattice, whose cells a surface meets in any way. Its lit side has no pattern of them.
     constexpr double kRadius = 22;
