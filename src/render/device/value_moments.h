@@ -123,7 +123,7 @@ constexpr float kSurfaceDepth = 0.2f, kSurfaceShare = 0.5f;
 /// How far the steps go towards the neighbours; not above 0: no steps. All the way at twice those, so that pictures have
 /// no edge where they are passed.
 /// trend  trend_between() of the neighbour that has more
-/// lit    by depth alone: normals and light change from slab to slab where means do not
+/// lit    by depth alone: normals change from slab to slab where means do not
 VOG_HD float division_of(float depth, float trend, float variance, bool lit) {
     const float sloped = lit ? 2 : trend / fmaxf(kSurfaceShare * variance, 1e-12f);
     return fminf(fminf(depth / kSurfaceDepth, sloped) - 1, 1.0f);
@@ -153,6 +153,12 @@ VOG_HD ValueMoments step_between(const ValueMoments& own, const ValueMoments& be
             of * other.third + left * own.third, share * other.gradient + rest * own.gradient};
 }
 
+/// Mean place in a part of even extinction, weighted by what is seen of it: 0 its front, 1 its back.
+VOG_HD float seen_at(float depth) {
+    if (depth < 0.1f) return 0.5f - depth * (1.0f / 12);
+    return 1 / depth - 1 / expm1f(fminf(depth, 80.0f));
+}
+
 /// A ray through slabs, and the light that reaches them.
 struct LitRay {
     BlinnPhong look;
@@ -160,7 +166,7 @@ struct LitRay {
     Double3 towards_eye;   ///< unit length
     Double3 middle, step;  ///< of the first slab, and from slab to slab
 
-    /// Mean light of a slab, or of one of its parts, shaded.
+    /// Mean light of a slab, or of one of its parts, shaded; the light that reaches it is that where it is seen.
     /// slab   place of its middle
     /// parts  of a slab
     VOG_HD void light_of(const MeanLight& light, const ValueMoments& m, float slab, float parts,
@@ -170,8 +176,9 @@ struct LitRay {
             if (look.on) shade(look, m, towards_eye, {1, 1}, out);
             return;
         }
+        const float seen = slab + (seen_at(out[3] * m.tau) - 0.5f) / parts;
         shade(look, m, towards_eye,
-              lattice.at(middle + static_cast<double>(slab) * step, towards_eye), out);
+              lattice.at(middle + static_cast<double>(seen) * step, towards_eye), out);
     }
 };
 
@@ -184,8 +191,7 @@ VOG_HD void composite_slab(const MeanLight& light, const LitRay& ray, int32_t sl
     const float at = static_cast<float>(slab);
     ray.light_of(light, own, at, 1, color);
     const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
-    const float division =
-        division_of(color[3] * own.tau, trend, own.variance, ray.look.on || ray.lattice.any());
+    const float division = division_of(color[3] * own.tau, trend, own.variance, ray.look.on);
     if (!(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;

@@ -87,13 +87,14 @@ vec4 mean_light(Moments m, float slant) {
     return seen(normal_light(means.y, variance.y), normal_light(means.x, variance.x), 0.5 * (1.0 - u / root), cell);
 }
 
-// LightLattice of render/device/light/light_lattice.h, in the middle of a slab or of one of its parts.
+// LightLattice of render/device/light/light_lattice.h, where a slab or one of its parts is seen: seen_at of value_moments.h.
 vec3 reached_at(float depth, vec3 along) {
     vec2 side = parallel == 1.0 ? along.xy : depth * along.xy;
     return reach_eye + depth * reach_forward + side.x * reach_right + side.y * reach_up;
 }
-vec2 reached_in(float slab, vec3 along) {
+vec2 reached_in(float slab, float parts, float seen, vec3 along) {
     if (reaches == 0.0) return vec2(1.0);
+    slab += ((seen < 0.1 ? 0.5 - seen / 12.0 : 1.0 / seen - 1.0 / (exp(min(seen, 80.0)) - 1.0)) - 0.5) / parts;
     vec2 range = texelFetch(ranges, ivec2(0), 0).xy;
     float depth = (range.x + range.y) / slabs * (slab + 0.5) - range.x;
     float opaque = textureLod(reached, reached_at(depth, along), 0.0).z, towards_eye = kTowardsEye * reach_edge / (parallel == 1.0 ? 1.0 : length(along));
@@ -142,11 +143,12 @@ Moments step_between(Moments own, Moments other, float division, float at) {
 // along  the slope of the ray, or the place of a parallel one; forward 1
 void add_slab(float slab, Moments own, Moments before, Moments behind, vec3 along, vec3 towards_eye, float slant) {
     if (!(own.tau > 0.0)) return;
-    vec4 light = unit * shaded(mean_light(own, slant), own.gradient, towards_eye, reached_in(slab, along));
+    vec4 mean = mean_light(own, slant);
+    vec4 light = unit * shaded(mean, own.gradient, towards_eye, reached_in(slab, 1.0, unit * mean.a * own.tau * slant, along));
 #ifdef LIT
     float sloped = 2.0;  // by depth alone: normals change where means do not
 #else
-    float sloped = reaches == 1.0 ? 2.0 : max(trend_between(own, before), trend_between(own, behind)) / max(kSurfaceShare * own.variance, 1e-12);
+    float sloped = max(trend_between(own, before), trend_between(own, behind)) / max(kSurfaceShare * own.variance, 1e-12);
 #endif
     float division = min(min(light.a * own.tau * slant / kSurfaceDepth, sloped) - 1.0, 1.0);
     if (!(division > 0.0)) {
@@ -166,7 +168,8 @@ void add_slab(float slab, Moments own, Moments before, Moments behind, vec3 alon
         Moments m = steps[k];
         m.mean += own.mean - first / whole, m.tau *= own.tau / whole;
         float of_slab = slab + (float(k) + 0.5) / float(kSteps) - 0.5;
-        composite(unit * shaded(mean_light(m, float(kSteps) * slant), m.gradient, towards_eye, reached_in(of_slab, along)), m.tau * slant);
+        mean = mean_light(m, float(kSteps) * slant);
+        composite(unit * shaded(mean, m.gradient, towards_eye, reached_in(of_slab, float(kSteps), unit * mean.a * m.tau * slant, along)), m.tau * slant);
     }
 }
 

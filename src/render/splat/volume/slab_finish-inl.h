@@ -1,48 +1,5 @@
 // slab_finish-inl.h: Sums of depth slabs to light, one SIMD vector of pixels at a time: classification after blending.
-// Included once per SIMD target by slab_kernels.cpp, after splat_rows-inl.h.
-
-/// Offsets of the pixels of a cell. Columns repeat, for vectors of any length up to 16.
-alignas(64) constexpr auto kCellX = [] {
-    std::array<float, kCellWidth + TilePixels::kMaxLanes> x{};
-    for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kCellWidth);
-    return x;
-}();
-alignas(64) constexpr auto kCellY = [] {
-    CellPixels y{};
-    for (std::size_t n = 0; n < y.size(); ++n) y[n] = static_cast<float>(n / kCellWidth);
-    return y;
-}();
-
-/// Rays of the pixels of a cell.
-struct CellRays {
-    /// |D|, and slopes of D right and down; forward 1.
-    alignas(64) CellPixels length, right, down;
-    alignas(64) CellPixels side_right, side_down;  ///< of parallel rays, from the axis of the view
-};
-
-/// |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
-template <class D>
-void begin_rays(D d, const CameraFrame& frame, SlabCell& cell, CellRays& rays) {
-    const double pixel = 1 / frame.pixels_per_unit;
-    const auto place_of = [&](double at, int size) {
-        return hn::Set(d, static_cast<float>((at - 0.5 * (size - 1)) * pixel));
-    };
-    const auto left = place_of(cell.column, frame.width), top = place_of(cell.row, frame.height);
-    const auto step = hn::Set(d, static_cast<float>(pixel)), zero = hn::Zero(d);
-    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
-        const auto across = hn::MulAdd(hn::LoadU(d, kCellX.data() + n % kCellWidth), step, left);
-        const auto along = hn::MulAdd(hn::Load(d, kCellY.data() + n), step, top);
-        const auto x = frame.orthographic ? zero : across, y = frame.orthographic ? zero : along;
-        hn::Store(x, d, rays.right.data() + n);
-        hn::Store(y, d, rays.down.data() + n);
-        hn::Store(hn::Sub(across, x), d, rays.side_right.data() + n);
-        hn::Store(hn::Sub(along, y), d, rays.side_down.data() + n);
-        hn::Store(hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Set(d, 1.0f)))), d,
-                  rays.length.data() + n);
-    }
-    for (std::size_t channel = 0; channel < 4; ++channel)
-        cell.seen[channel].fill(channel == 3 ? 1.0f : 0.0f);
-}
+// Included once per SIMD target by slab_kernels.cpp, after slab_light-inl.h.
 
 /// Central moments of a vector of pixels; the gradient is a sum.
 template <class V>
@@ -66,12 +23,6 @@ HWY_INLINE MomentLanes<V> moments_at(D d, const SlabPlane* slab, bool lit, std::
     for (int c = 0; c < 3; ++c) m.gradient[c] = lit ? sum(kGradient + c) : zero;
     return m;
 }
-
-/// Light per unit of tau: red, green and blue times extinction, and extinction.
-template <class V>
-struct LightLanes {
-    V c[4];
-};
 
 /// Two normal distributions in every lane.
 template <class V>
@@ -229,165 +180,20 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     return all;
 }
 
-/// device::ReachedLight in every lane.
-template <class V>
-struct ReachedLanes {
-    V direct, ambient;
-};
-/// A place in the lattice, and how far it lies from its cell's centre.
-template <class D>
-struct PlaceLanes {
-    hn::Vec<hn::RebindToSigned<D>> at;
-    hn::Vec<D> beyond[3];
-};
-/// depth    from the slabs' depth 0
-/// towards  cells towards the light
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE PlaceLanes<D> place_at(D d, const SlabLight& of, const CellRays& rays, std::size_t n,
-                                  V depth, V towards) {
-    const device::LightLattice& lattice = of.lattice;
-    const hn::RebindToSigned<D> di;
-    const auto set = [&](float v) { return hn::Set(d, v); };
-    const V far = hn::Add(depth, set(of.depth));
-    const auto side = [&](const CellPixels& slope, const CellPixels& shift) {
-        return hn::MulAdd(far, hn::Load(d, slope.data() + n), hn::Load(d, shift.data() + n));
-    };
-    const V right = side(rays.right, rays.side_right), down = side(rays.down, rays.side_down);
-    PlaceLanes<D> out;
-    out.at = hn::Zero(di);
-    std::int32_t stride = 1;
-    const auto place = [&](int axis, float middle, float by_right, float by_down, float by_depth,
-                           double by_light) {
-        const V ahead =
-            hn::MulAdd(depth, set(by_depth),
-                       hn::MulAdd(towards, set(static_cast<float>(by_light)), set(middle)));
-        const V along = hn::MulAdd(right, set(by_right), hn::MulAdd(down, set(by_down), ahead));
-        const V within =
-            hn::Min(hn::Max(along, hn::Zero(d)), set(static_cast<float>(lattice.size[axis] - 1)));
-        const auto cell = hn::Min(hn::ConvertTo(di, within), hn::Set(di, lattice.size[axis] - 2));
-        out.beyond[axis] = hn::Sub(within, hn::ConvertTo(d, cell));
-        out.at = hn::Add(out.at, hn::Mul(cell, hn::Set(di, stride)));
-        stride *= lattice.size[axis];
-    };
-    const device::Double3& l = lattice.towards;
-    place(0, of.middle.x, of.right.x, of.down.x, of.forward.x, l.x);
-    place(1, of.middle.y, of.right.y, of.down.y, of.forward.y, l.y);
-    place(2, of.middle.z, of.right.z, of.down.z, of.forward.z, l.z);
-    return out;
-}
-/// LightLattice::between; all 1 without values.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V between(D d, const device::LightLattice& lattice, const float* values,
-                     const PlaceLanes<D>& place) {
-    if (!values) return hn::Set(d, 1.0f);
-    const hn::RebindToSigned<D> di;
-    const std::int32_t row = lattice.size[0], layer = row * lattice.size[1];
-    const auto mixed = [&](int axis, V low, V high) {
-        return hn::MulAdd(place.beyond[axis], hn::Sub(high, low), low);
-    };
-    const auto in_row = [&](std::int32_t offset) {
-        const auto index = hn::Add(place.at, hn::Set(di, offset));
-        return mixed(0, hn::GatherIndex(d, values, index), hn::GatherIndex(d, values + 1, index));
-    };
-    const auto in_layer = [&](std::int32_t offset) {
-        return mixed(1, in_row(offset), in_row(offset + row));
-    };
-    return mixed(2, in_layer(0), in_layer(layer));
-}
-/// LightLattice::at.
-/// depth  from the slabs' depth 0
-template <class D, class V = hn::Vec<D>>
-HWY_NOINLINE ReachedLanes<V> reached_at(D d, const SlabLight& of, const CellRays& rays,
-                                        std::size_t n, V depth) {
-    using Lattice = device::LightLattice;
-    const Lattice& lattice = of.lattice;
-    const V zero = hn::Zero(d);
-    if (!lattice.opaque) {
-        const PlaceLanes<D> here = place_at(d, of, rays, n, depth, zero);
-        return {between(d, lattice, lattice.direct, here),
-                between(d, lattice, lattice.ambient, here)};
-    }
-    const V opaque = between(d, lattice, lattice.opaque, place_at(d, of, rays, n, depth, zero));
-    const V edge = hn::Set(d, static_cast<float>(Lattice::kTowardsEye / lattice.per_edge));
-    const V shift = hn::Div(hn::Mul(opaque, edge), hn::Load(d, rays.length.data() + n));
-    const PlaceLanes<D> place = place_at(d, of, rays, n, hn::Sub(depth, shift),
-                                         hn::Mul(opaque, hn::Set(d, Lattice::kTowardsLight)));
-    return {between(d, lattice, lattice.direct, place),
-            between(d, lattice, lattice.ambient, place)};
-}
-
-/// BlinnPhong::spread: no surfaces.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void spread(D d, const device::BlinnPhong& look, const ReachedLanes<V>& reached,
-                       LightLanes<V>& light) {
-    const double whole = look.ambient + look.diffuse;
-    if (!(whole > 0)) return;
-    const V body =
-        hn::MulAdd(hn::Set(d, static_cast<float>(look.ambient / whole)), reached.ambient,
-                   hn::Mul(hn::Set(d, static_cast<float>(look.diffuse / whole)), reached.direct));
-    for (int c = 0; c < 3; ++c) light.c[c] = hn::Mul(light.c[c], body);
-}
-
-/// BlinnPhong::shading, with the colours at most what is absorbed.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, const CellRays& rays,
-                      std::size_t n, const ReachedLanes<V>& reached, LightLanes<V>& light) {
-    const auto set = [&](double v) { return hn::Set(d, static_cast<float>(v)); };
-    const auto dot3 = [&](const V* a, const V* b) {
-        return hn::MulAdd(a[0], b[0], hn::MulAdd(a[1], b[1], hn::Mul(a[2], b[2])));
-    };
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
-    const V per = hn::Div(hn::Set(d, -1.0f), hn::Load(d, rays.length.data() + n));
-    const V eye[3] = {hn::Mul(per, hn::Load(d, rays.right.data() + n)),
-                      hn::Mul(per, hn::Load(d, rays.down.data() + n)), per};
-    const V steep2 = dot3(gradient, gradient);
-    const auto any = hn::Gt(steep2, least);
-    const V per_steep = hn::Div(one, hn::Sqrt(hn::Max(steep2, least)));
-    const bool head = !(dot(look.towards_light, look.towards_light) > 0);
-    V to[3] = {set(look.towards_light.x), set(look.towards_light.y), set(look.towards_light.z)};
-    if (head)
-        for (int c = 0; c < 3; ++c) to[c] = eye[c];
-    const V turn = hn::CopySign(per_steep, dot3(gradient, eye));
-    const V facing = hn::Max(hn::Mul(turn, dot3(gradient, to)), zero);
-    V between[3];
-    for (int c = 0; c < 3; ++c) between[c] = hn::Add(to[c], eye[c]);
-    const V mirrored = hn::Min(
-        hn::Mul(turn,
-                hn::Div(dot3(gradient, between), hn::Sqrt(hn::Max(dot3(between, between), least)))),
-        one);
-    const V body = hn::MulAdd(hn::Mul(set(look.diffuse), facing), reached.direct,
-                              hn::Mul(set(look.ambient), reached.ambient));
-    const V power = hn::Exp(d, hn::Mul(set(look.power), hn::Log(d, hn::Max(mirrored, set(1e-6)))));
-    const V shine = hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)),
-                                       hn::Mul(hn::Mul(set(look.specular), power), reached.direct));
-    LightLanes<V> plain = light;
-    spread(d, look, reached, plain);
-    for (int c = 0; c < 3; ++c) {
-        const V shaded = hn::MulAdd(body, light.c[c], hn::Mul(shine, light.c[3]));
-        light.c[c] = hn::IfThenElse(any, hn::Min(shaded, light.c[3]), plain.c[c]);
-    }
-}
-
 /// A vector of pixels behind those before.
 template <class V>
 struct SeenLanes {
     V c[3], passed;
 };
 /// Composites moments.
-/// along      tau on the ray
-/// at_depth   of their middle, from the slabs' depth 0
-/// light      mean_light(), of lanes that do not count 0
-template <class D, class V = hn::Vec<D>>
+/// along    tau on the ray
+/// reached  light at a share of the way through them, 0 in front
+/// light    mean_light(), of lanes that do not count 0
+template <class D, class Reached, class V = hn::Vec<D>>
 HWY_INLINE void composite_part(D d, const SlabLight& of, const MomentLanes<V>& m,
-                               const CellRays& rays, std::size_t n, V along, float at_depth,
+                               const CellRays& rays, std::size_t n, V along, const Reached& reached,
                                LightLanes<V> light, SeenLanes<V>& seen) {
     const V one = hn::Set(d, 1.0f), depth = hn::Mul(light.c[3], along);
-    ReachedLanes<V> reached{one, one};
-    if (of.lattice.any()) reached = reached_at(d, of, rays, n, hn::Set(d, at_depth));
-    if (of.look.on)
-        shade(d, of.look, m.gradient, rays, n, reached, light);
-    else if (of.lattice.any())
-        spread(d, of.look, reached, light);
     // (1 - e^{-depth}) / depth, and e^{-depth}; the series where the difference cancels
     V part = hn::MulAdd(hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
                                    depth, hn::Set(d, -0.5f)),
@@ -398,6 +204,18 @@ HWY_INLINE void composite_part(D d, const SlabLight& of, const MomentLanes<V>& m
         passed = hn::IfThenElse(thin, passed, hn::Exp(d, hn::Neg(depth)));
         part = hn::IfThenElse(thin, part,
                               hn::Div(hn::Sub(one, passed), hn::Max(depth, hn::Set(d, 1e-3f))));
+    }
+    if (of.lattice.any()) {
+        // device::seen_at
+        V share = hn::NegMulAdd(depth, hn::Set(d, 1 / 12.0f), hn::Set(d, 0.5f));
+        const V absorbed = hn::Max(hn::Mul(depth, part), hn::Set(d, 1e-3f));
+        share = hn::IfThenElse(hn::Lt(depth, hn::Set(d, 0.1f)), share,
+                               hn::Div(hn::Sub(part, passed), absorbed));
+        const ReachedLanes<V> arrives = reached(share);
+        of.look.on ? shade(d, of.look, m.gradient, rays, n, arrives, light)
+                   : spread(d, of.look, arrives, light);
+    } else if (of.look.on) {
+        shade(d, of.look, m.gradient, rays, n, {one, one}, light);
     }
     const V weight = hn::Mul(hn::Mul(seen.passed, part), along);
     for (int c = 0; c < 3; ++c) seen.c[c] = hn::MulAdd(weight, light.c[c], seen.c[c]);
@@ -465,13 +283,12 @@ HWY_INLINE void divide_slab(D d, const MomentLanes<V>& own, const NeighbourLanes
 /// Composites a slab behind those before.
 /// returns  whether all pixels are dark
 template <class D>
-HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const CellRays& rays,
+HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, CellView& view,
                                  SlabCell& cell) {
+    const CellRays& rays = view.pixels;
     using V = hn::Vec<D>;
     const V zero = hn::Zero(d), dark = hn::Set(d, kDarkTransmittance);
-    const bool lit = cell.channels == kLitChannels, by_depth = lit || light.lattice.any();
-    const float middle =
-        cell.depths.first + (static_cast<float>(slab) + 0.5f) * cell.depths.thickness;
+    const bool lit = cell.channels == kLitChannels;
     bool hidden = true;
     for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
         SeenLanes<V> before;
@@ -488,6 +305,13 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const Ce
             const V per_cell = hn::Set(d, light.light.parts_per_cell * static_cast<float>(parts));
             return mean_light(d, light.light, m, hn::Mul(tau, per_cell), lanes);
         };
+        const auto reached_in = [&](int part, int parts) {
+            return [&, part, parts](V share) {
+                const V scale = hn::Set(d, 1 / static_cast<float>(parts));
+                const V of_slab = hn::Mul(scale, hn::Add(share, hn::Set(d, float(part))));
+                return view.reached(d, light, cell.depths, slab, n, of_slab);
+            };
+        };
         // 1 / 32,768 of a pixel's light is not seen, of any number of slabs.
         const auto some = hn::Gt(hn::Mul(along, hn::Set(d, light.light.most)),
                                  hn::Set(d, 1.0f / static_cast<float>(32768 * cell.slabs)));
@@ -503,8 +327,7 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const Ce
                                                  neighbour(d, cell, slab + 1, n, own)};
             const V own_share = hn::Max(hn::Mul(own.variance, hn::Set(d, device::kSurfaceShare)),
                                         hn::Set(d, 1e-12f));
-            const V sloped = by_depth
-                                 ? hn::Set(d, 2.0f)
+            const V sloped = lit ? hn::Set(d, 2.0f)
                                  : hn::Div(hn::Max(beside[0].trend, beside[1].trend), own_share);
             const V deep = hn::Mul(depth, hn::Set(d, 1 / kSurfaceDepth));
             division = hn::Min(hn::Sub(hn::Min(deep, sloped), one), one);
@@ -515,12 +338,10 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const Ce
                 SeenLanes<V> divided = before;
                 for (int k = 0; k < kSurfaceSteps; ++k) {
                     const MomentLanes<V>& step = steps[k];
-                    const float at = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
                     const auto open = hn::And(divides, hn::Ge(divided.passed, dark));
                     if (hn::AllFalse(d, open)) break;
                     const V tau = hn::Mul(step.tau, length);
-                    composite_part(d, light, step, rays, n, tau,
-                                   middle + at * cell.depths.thickness,
+                    composite_part(d, light, step, rays, n, tau, reached_in(k, kSurfaceSteps),
                                    lit_of(step, tau, kSurfaceSteps, open), divided);
                 }
                 for (int c = 0; c < 3; ++c)
@@ -530,7 +351,7 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const Ce
         }
         if (!hn::AllTrue(d, divides)) {
             SeenLanes<V> whole = before;
-            composite_part(d, light, own, rays, n, along, middle, own_light, whole);
+            composite_part(d, light, own, rays, n, along, reached_in(0, 1), own_light, whole);
             for (int c = 0; c < 3; ++c) seen.c[c] = hn::IfThenElse(divides, seen.c[c], whole.c[c]);
             seen.passed = hn::IfThenElse(divides, seen.passed, whole.passed);
         }
@@ -543,8 +364,8 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, const Ce
 template <class Tags>
 void composite_cell(const SlabLight& light, SlabCell& cell) {
     const typename Tags::Floats d;
-    CellRays rays;
-    begin_rays(d, light.frame, cell, rays);
+    CellView view;
+    begin_cell(d, light.frame, cell, view);
     for (int slab = cell.lowest; slab <= cell.highest; ++slab)
-        if (composite_slab(d, light, slab, rays, cell)) return;
+        if (composite_slab(d, light, slab, view, cell)) return;
 }

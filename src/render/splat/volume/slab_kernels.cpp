@@ -27,6 +27,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "render/splat/splat_rows-inl.h"
 
+#include "render/splat/volume/slab_light-inl.h"
+
 #include "render/splat/volume/slab_finish-inl.h"
 
 #include "render/splat/volume/slab_rows-inl.h"

@@ -221,7 +221,7 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& field, const 
     const std::size_t y1 = inside(s.bounds.y1, cell.row, kCellHeight - 1);
     for (std::size_t column = x0; column <= x1; column += step) {
         CellLanes<V> columns;
-        columns.x = hn::Add(hn::LoadU(d, kCellX.data() + column), left);
+        columns.x = hn::Add(hn::LoadU(d, kPixelsOfCell.x.data() + column), left);
         columns.a_row = hn::MulAdd(lanes.ax, columns.x, lanes.a0);
         columns.c_row = hn::MulAdd(lanes.cx, columns.x, lanes.c0);
         columns.dx = hn::Sub(columns.x, mean_x);
@@ -318,8 +318,8 @@ void sum_cell(const CellSplats& splats, SlabCell& cell) {
 template <class Tags>
 void draw_cell(const CellSplats& splats, const SlabLight& light, SlabCell& cell) {
     const typename Tags::Floats d;
-    CellRays rays;
-    begin_rays(d, splats.frame, cell, rays);
+    CellView view;
+    begin_cell(d, splats.frame, cell, view);
     with_splats<Tags>(splats, cell, [&](const auto& add) {
         for (int slab = 0; slab <= cell.slabs; ++slab) {
             bool more = false;
@@ -333,7 +333,7 @@ void draw_cell(const CellSplats& splats, const SlabLight& light, SlabCell& cell)
             // The slab before is complete, and so is this one, which its surfaces are found by.
             const int complete = slab - 1;
             if (complete >= cell.lowest && complete <= cell.highest) {
-                if (composite_slab(d, light, complete, rays, cell)) return;
+                if (composite_slab(d, light, complete, view, cell)) return;
                 // It stays as the neighbour of the next one.
                 cell.clear(cell.lowest, complete - 1);
                 cell.lowest = complete;

@@ -1,0 +1,270 @@
+// slab_light-inl.h: Rays of a cell's pixels, and light that reaches points on them, one SIMD vector of pixels at a time.
+// Included once per SIMD target by slab_kernels.cpp, before slab_finish-inl.h.
+
+/// Columns and rows from a cell's first pixel: of all its pixels, and of its nodes, every fifth pixel of every fifth row.
+template <std::size_t kCount>
+using CellNumbers = std::array<float, kCount>;
+template <std::size_t kAcross, std::size_t kStep>
+struct CellPoints {
+    static constexpr std::size_t kCount = kAcross * kAcross;
+    alignas(64) CellNumbers<kCount> x{}, y{};
+    constexpr CellPoints() {
+        for (std::size_t n = 0; n < kCount; ++n) {
+            x[n] = static_cast<float>(kStep * (n % kAcross));
+            y[n] = static_cast<float>(kStep * (n / kAcross));
+        }
+    }
+};
+constexpr std::size_t kNodesAcross = 4, kNodeStep = 5;
+static_assert(kCellWidth == kCellHeight && kCellWidth == (kNodesAcross - 1) * kNodeStep + 1);
+constexpr CellPoints<kCellWidth, 1> kPixelsOfCell;
+constexpr CellPoints<kNodesAcross, kNodeStep> kNodesOfCell;
+
+/// Rays through points of a cell.
+template <std::size_t kCount>
+struct Rays {
+    /// |D|, and slopes of D right and down; forward 1.
+    alignas(64) CellNumbers<kCount> length, right, down;
+    alignas(64) CellNumbers<kCount> side_right, side_down;  ///< of parallel rays, from the axis
+};
+using CellRays = Rays<kCellPixels>;
+using NodeRays = Rays<kNodesAcross * kNodesAcross>;
+
+/// |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
+template <class D, std::size_t kAcross, std::size_t kStep, std::size_t kCount>
+void begin_rays(D d, const CameraFrame& frame, const SlabCell& cell,
+                const CellPoints<kAcross, kStep>& points, Rays<kCount>& rays) {
+    static_assert(kCount == CellPoints<kAcross, kStep>::kCount);
+    const double pixel = 1 / frame.pixels_per_unit;
+    const auto place_of = [&](double at, int size) {
+        return hn::Set(d, static_cast<float>((at - 0.5 * (size - 1)) * pixel));
+    };
+    const auto left = place_of(cell.column, frame.width), top = place_of(cell.row, frame.height);
+    const auto step = hn::Set(d, static_cast<float>(pixel)), zero = hn::Zero(d);
+    for (std::size_t n = 0; n < kCount; n += hn::Lanes(d)) {
+        const auto across = hn::MulAdd(hn::Load(d, points.x.data() + n), step, left);
+        const auto along = hn::MulAdd(hn::Load(d, points.y.data() + n), step, top);
+        const auto x = frame.orthographic ? zero : across, y = frame.orthographic ? zero : along;
+        hn::Store(x, d, rays.right.data() + n);
+        hn::Store(y, d, rays.down.data() + n);
+        hn::Store(hn::Sub(across, x), d, rays.side_right.data() + n);
+        hn::Store(hn::Sub(along, y), d, rays.side_down.data() + n);
+        hn::Store(hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Set(d, 1.0f)))), d,
+                  rays.length.data() + n);
+    }
+}
+
+/// Light per unit of tau: red, green and blue times extinction, and extinction.
+template <class V>
+struct LightLanes {
+    V c[4];
+};
+
+/// device::ReachedLight in every lane.
+template <class V>
+struct ReachedLanes {
+    V direct, ambient;
+};
+/// A place in the lattice, and how far it lies from its cell's centre.
+template <class D>
+struct PlaceLanes {
+    hn::Vec<hn::RebindToSigned<D>> at;
+    hn::Vec<D> beyond[3];
+};
+/// depth    from the slabs' depth 0
+/// towards  cells towards the light
+template <class D, std::size_t kCount, class V = hn::Vec<D>>
+HWY_INLINE PlaceLanes<D> place_at(D d, const SlabLight& of, const Rays<kCount>& rays, std::size_t n,
+                                  V depth, V towards) {
+    const device::LightLattice& lattice = of.lattice;
+    const hn::RebindToSigned<D> di;
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const V far = hn::Add(depth, set(of.depth));
+    const auto side = [&](const CellNumbers<kCount>& slope, const CellNumbers<kCount>& shift) {
+        return hn::MulAdd(far, hn::Load(d, slope.data() + n), hn::Load(d, shift.data() + n));
+    };
+    const V right = side(rays.right, rays.side_right), down = side(rays.down, rays.side_down);
+    PlaceLanes<D> out;
+    out.at = hn::Zero(di);
+    std::int32_t stride = 1;
+    const auto place = [&](int axis, float middle, float by_right, float by_down, float by_depth,
+                           double by_light) {
+        const V ahead =
+            hn::MulAdd(depth, set(by_depth),
+                       hn::MulAdd(towards, set(static_cast<float>(by_light)), set(middle)));
+        const V along = hn::MulAdd(right, set(by_right), hn::MulAdd(down, set(by_down), ahead));
+        const V within =
+            hn::Min(hn::Max(along, hn::Zero(d)), set(static_cast<float>(lattice.size[axis] - 1)));
+        const auto cell = hn::Min(hn::ConvertTo(di, within), hn::Set(di, lattice.size[axis] - 2));
+        out.beyond[axis] = hn::Sub(within, hn::ConvertTo(d, cell));
+        out.at = hn::Add(out.at, hn::Mul(cell, hn::Set(di, stride)));
+        stride *= lattice.size[axis];
+    };
+    const device::Double3& l = lattice.towards;
+    place(0, of.middle.x, of.right.x, of.down.x, of.forward.x, l.x);
+    place(1, of.middle.y, of.right.y, of.down.y, of.forward.y, l.y);
+    place(2, of.middle.z, of.right.z, of.down.z, of.forward.z, l.z);
+    return out;
+}
+/// LightLattice::between; all 1 without values.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V between(D d, const device::LightLattice& lattice, const float* values,
+                     const PlaceLanes<D>& place) {
+    if (!values) return hn::Set(d, 1.0f);
+    const hn::RebindToSigned<D> di;
+    const std::int32_t row = lattice.size[0], layer = row * lattice.size[1];
+    const auto mixed = [&](int axis, V low, V high) {
+        return hn::MulAdd(place.beyond[axis], hn::Sub(high, low), low);
+    };
+    const auto in_row = [&](std::int32_t offset) {
+        const auto index = hn::Add(place.at, hn::Set(di, offset));
+        return mixed(0, hn::GatherIndex(d, values, index), hn::GatherIndex(d, values + 1, index));
+    };
+    const auto in_layer = [&](std::int32_t offset) {
+        return mixed(1, in_row(offset), in_row(offset + row));
+    };
+    return mixed(2, in_layer(0), in_layer(layer));
+}
+/// LightLattice::at.
+/// depth  from the slabs' depth 0
+template <class D, std::size_t kCount, class V = hn::Vec<D>>
+HWY_NOINLINE ReachedLanes<V> reached_at(D d, const SlabLight& of, const Rays<kCount>& rays,
+                                        std::size_t n, V depth) {
+    using Lattice = device::LightLattice;
+    const Lattice& lattice = of.lattice;
+    const V zero = hn::Zero(d);
+    if (!lattice.opaque) {
+        const PlaceLanes<D> here = place_at(d, of, rays, n, depth, zero);
+        return {between(d, lattice, lattice.direct, here),
+                between(d, lattice, lattice.ambient, here)};
+    }
+    const V opaque = between(d, lattice, lattice.opaque, place_at(d, of, rays, n, depth, zero));
+    const V edge = hn::Set(d, static_cast<float>(Lattice::kTowardsEye / lattice.per_edge));
+    const V shift = hn::Div(hn::Mul(opaque, edge), hn::Load(d, rays.length.data() + n));
+    const PlaceLanes<D> place = place_at(d, of, rays, n, hn::Sub(depth, shift),
+                                         hn::Mul(opaque, hn::Set(d, Lattice::kTowardsLight)));
+    return {between(d, lattice, lattice.direct, place),
+            between(d, lattice, lattice.ambient, place)};
+}
+
+/// Light at one depth across a cell: of rows of nodes, [node][pixel].
+struct NodeLight {
+    int slab = -1;  ///< whose front this is
+    alignas(64) CellNumbers<kNodesAcross * kCellWidth> direct, ambient;
+};
+template <class D>
+HWY_NOINLINE void find_node_light(D d, const SlabLight& of, const NodeRays& nodes, float depth,
+                                  NodeLight& light) {
+    alignas(64) CellNumbers<kNodesAcross * kNodesAcross> direct, ambient;
+    for (std::size_t n = 0; n < direct.size(); n += hn::Lanes(d)) {
+        const auto reached = reached_at(d, of, nodes, n, hn::Set(d, depth));
+        hn::Store(reached.direct, d, direct.data() + n);
+        hn::Store(reached.ambient, d, ambient.data() + n);
+    }
+    for (std::size_t n = 0; n < light.direct.size(); ++n) {
+        const std::size_t x = n % kCellWidth, left = std::min(x / kNodeStep, kNodesAcross - 2);
+        const std::size_t node = n / kCellWidth * kNodesAcross + left;
+        const float beyond = static_cast<float>(x - left * kNodeStep) / kNodeStep;
+        light.direct[n] = direct[node] + beyond * (direct[node + 1] - direct[node]);
+        light.ambient[n] = ambient[node] + beyond * (ambient[node + 1] - ambient[node]);
+    }
+}
+
+/// Rays of a cell, and the light that reaches its slabs.
+struct CellView {
+    CellRays pixels;
+    NodeRays nodes;
+    NodeLight fronts[2];  ///< of even and odd slabs
+
+    /// reached_at(), linear between nodes, and from a slab's front to its back, where nodes are closer than cells of the lattice.
+    /// share  0 at the front of the slab, 1 at its back
+    template <class D, class V = hn::Vec<D>>
+    HWY_INLINE ReachedLanes<V> reached(D d, const SlabLight& of, const SlabDepths& depths, int slab,
+                                       std::size_t n, V share) {
+        constexpr double kFarthest = 0.6;  // cells from node to node
+        const float front = depths.first + static_cast<float>(slab) * depths.thickness;
+        const double far = of.frame.orthographic ? 1 : double{of.depth} + double{front};
+        if (kNodeStep * far * of.lattice.per_edge > kFarthest * of.frame.pixels_per_unit)
+            return reached_at(d, of, pixels, n,
+                              hn::MulAdd(share, hn::Set(d, depths.thickness), hn::Set(d, front)));
+        for (int k = slab; k < slab + 2; ++k)
+            if (fronts[k % 2].slab != k) {
+                const float depth = depths.first + static_cast<float>(k) * depths.thickness;
+                find_node_light(d, of, nodes, depth, fronts[k % 2]);
+                fronts[k % 2].slab = k;
+            }
+        const NodeLight &near = fronts[slab % 2], &back = fronts[(slab + 1) % 2];
+        const std::size_t y = n / kCellWidth, above = std::min(y / kNodeStep, kNodesAcross - 2);
+        const std::size_t upper = above * kCellWidth + n % kCellWidth, lower = upper + kCellWidth;
+        const V down = hn::Set(d, static_cast<float>(y - above * kNodeStep) / kNodeStep);
+        const auto between = [&](const auto& near_rows, const auto& back_rows) {
+            const auto in_depth = [&](std::size_t at) {
+                const V a = hn::Load(d, near_rows.data() + at);
+                return hn::MulAdd(share, hn::Sub(hn::Load(d, back_rows.data() + at), a), a);
+            };
+            const V a = in_depth(upper);
+            return hn::MulAdd(down, hn::Sub(in_depth(lower), a), a);
+        };
+        return {between(near.direct, back.direct), between(near.ambient, back.ambient)};
+    }
+};
+
+template <class D>
+void begin_cell(D d, const CameraFrame& frame, SlabCell& cell, CellView& view) {
+    begin_rays(d, frame, cell, kPixelsOfCell, view.pixels);
+    begin_rays(d, frame, cell, kNodesOfCell, view.nodes);
+    for (std::size_t channel = 0; channel < 4; ++channel)
+        cell.seen[channel].fill(channel == 3 ? 1.0f : 0.0f);
+}
+
+/// BlinnPhong::spread: no surfaces.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void spread(D d, const device::BlinnPhong& look, const ReachedLanes<V>& reached,
+                       LightLanes<V>& light) {
+    const double whole = look.ambient + look.diffuse;
+    if (!(whole > 0)) return;
+    const V body =
+        hn::MulAdd(hn::Set(d, static_cast<float>(look.ambient / whole)), reached.ambient,
+                   hn::Mul(hn::Set(d, static_cast<float>(look.diffuse / whole)), reached.direct));
+    for (int c = 0; c < 3; ++c) light.c[c] = hn::Mul(light.c[c], body);
+}
+
+/// BlinnPhong::shading, with the colours at most what is absorbed.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, const CellRays& rays,
+                      std::size_t n, const ReachedLanes<V>& reached, LightLanes<V>& light) {
+    const auto set = [&](double v) { return hn::Set(d, static_cast<float>(v)); };
+    const auto dot3 = [&](const V* a, const V* b) {
+        return hn::MulAdd(a[0], b[0], hn::MulAdd(a[1], b[1], hn::Mul(a[2], b[2])));
+    };
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
+    const V per = hn::Div(hn::Set(d, -1.0f), hn::Load(d, rays.length.data() + n));
+    const V eye[3] = {hn::Mul(per, hn::Load(d, rays.right.data() + n)),
+                      hn::Mul(per, hn::Load(d, rays.down.data() + n)), per};
+    const V steep2 = dot3(gradient, gradient);
+    const auto any = hn::Gt(steep2, least);
+    const V per_steep = hn::Div(one, hn::Sqrt(hn::Max(steep2, least)));
+    const bool head = !(dot(look.towards_light, look.towards_light) > 0);
+    V to[3] = {set(look.towards_light.x), set(look.towards_light.y), set(look.towards_light.z)};
+    if (head)
+        for (int c = 0; c < 3; ++c) to[c] = eye[c];
+    const V turn = hn::CopySign(per_steep, dot3(gradient, eye));
+    const V facing = hn::Max(hn::Mul(turn, dot3(gradient, to)), zero);
+    V between[3];
+    for (int c = 0; c < 3; ++c) between[c] = hn::Add(to[c], eye[c]);
+    const V mirrored = hn::Min(
+        hn::Mul(turn,
+                hn::Div(dot3(gradient, between), hn::Sqrt(hn::Max(dot3(between, between), least)))),
+        one);
+    const V body = hn::MulAdd(hn::Mul(set(look.diffuse), facing), reached.direct,
+                              hn::Mul(set(look.ambient), reached.ambient));
+    const V power = hn::Exp(d, hn::Mul(set(look.power), hn::Log(d, hn::Max(mirrored, set(1e-6)))));
+    const V shine = hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)),
+                                       hn::Mul(hn::Mul(set(look.specular), power), reached.direct));
+    LightLanes<V> plain = light;
+    spread(d, look, reached, plain);
+    for (int c = 0; c < 3; ++c) {
+        const V shaded = hn::MulAdd(body, light.c[c], hn::Mul(shine, light.c[3]));
+        light.c[c] = hn::IfThenElse(any, hn::Min(shaded, light.c[3]), plain.c[c]);
+    }
+}
