@@ -262,6 +262,10 @@ for gradient and covariance of a vector field, which are read-only copies.)");
             [](const Field& self) { return self.scalar() != nullptr && self.scalar()->is_measure; },
             "Whether it is the density itself: the values of the volume that was converted.")
         .def_property_readonly(
+            "background",
+            [](const Field& self) { return self.scalar() ? self.scalar()->background : 0.0; },
+            "Of the density itself: the value at which the density is 0.")
+        .def_property_readonly(
             "unit", [](const Field& self) { return with(self, [](auto& f) { return f.unit; }); },
             "Unit: 'K'; empty if it is not known.")
         .def_property_readonly(

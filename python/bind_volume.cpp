@@ -188,7 +188,7 @@ py::tuple volume_state(const Volume& volume) {
     return py::make_tuple(bytes_of(volume.leaves), bytes_of(volume.tiles),
                           matrix_of(volume.world_from_index), volume.name, volume.source,
                           volume.standing.up, volume.standing.front, volume.units.length,
-                          volume.units.density);
+                          volume.units.density, volume.background);
 }
 std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     auto volume = std::make_shared<Volume>();
@@ -201,6 +201,7 @@ std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
         volume->standing = {state[5].cast<Vec3d>(), state[6].cast<Vec3d>()};
     if (state.size() > 7)
         volume->units = {state[7].cast<std::string>(), state[8].cast<std::string>()};
+    if (state.size() > 9) volume->background = state[9].cast<double>();
     validate(*volume);
     return volume;
 }
@@ -221,18 +222,20 @@ per world unit of length. Created by Volume.load, Volume.from_numpy and vog.samp
     c.def_static(
          "load",
          [](const std::filesystem::path& file, const std::string& grid, bool level_set_to_fog,
-            bool mask, bool skip_nonfinite, bool clip_negative) {
+            bool mask, bool skip_nonfinite, bool clip_negative, std::optional<double> background) {
              std::vector<std::string> notes;
              auto volume = std::make_shared<Volume>(unlocked([&] {
                  return read_volume(
-                     file, {grid, level_set_to_fog, mask, {skip_nonfinite, clip_negative}}, &notes);
+                     file,
+                     {grid, level_set_to_fog, mask, {skip_nonfinite, clip_negative, background}},
+                     &notes);
              }));
              warn(notes);
              return volume;
          },
          py::arg("file"), py::arg("grid") = "", py::kw_only(), py::arg("level_set_to_fog") = false,
          py::arg("mask") = false, py::arg("skip_nonfinite") = false,
-         py::arg("clip_negative") = false,
+         py::arg("clip_negative") = false, py::arg("background") = py::none(),
          R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file, or a dense image. Returns a Volume.
 
 grid              name of the grid; '': the only scalar grid, else 'density', else the largest fog volume, with a warning that
@@ -241,6 +244,8 @@ level_set_to_fog  converts a level set to fog: density inside its surface
 mask              reads values > 0 as 1
 skip_nonfinite    leaves voxels with NaN or infinite values out: they are inactive
 clip_negative     sets negative values to 0
+background        value of empty space in a dense image: densities are the values above it; None: found in the values, with a
+                  warning where it is not 0
 
 The Volume has the units that a dense image states (vog.units_of).
 
@@ -312,6 +317,10 @@ True)")
                 self.units = {units.first, units.second};
             })
         .def_readwrite("name", &Volume::name, "Name of the grid.")
+        .def_readwrite(
+            "background", &Volume::background,
+            "Value of empty space in the file: the file's values are densities plus this. -1000 of "
+            "Hounsfield units.")
         .def_readonly("source", &Volume::source, "File that the volume was read from, or ''.")
         .def_property_readonly(
             "matrix", [](const Volume& self) { return matrix_of(self.world_from_index); },

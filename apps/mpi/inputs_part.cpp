@@ -120,6 +120,9 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
          {&notes.clipped_negative, &notes.skipped_nonfinite, &notes.inactive_nonfinite})
         *count = ranks.sum(*count);
     notes.first_skipped.reset();  // the first of this rank alone
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    if (const double most = ranks.max(notes.background.value_or(kNone)); most > kNone)
+        notes.background = most;
     if (const std::string text = values_text(notes, "voxels"); !text.empty())
         part.notes.push_back(text);
     for (const std::filesystem::path& file : paths)

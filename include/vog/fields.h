@@ -35,6 +35,8 @@ struct ScalarField {
     bool is_measure = false;
     ValueSpread
         spread{};  ///< percentiles of the data; unknown: value_data (vog/picture.h) has those of the Gaussians
+    /// Value at which the density of a measure is 0, in the unit: density is the value above it.
+    double background = 0;
 
     BigVector<float> value;      ///< [N] at the Gaussian's mean, in the unit
     BigVector<Vec3f> gradient;   ///< [N] unit per world unit

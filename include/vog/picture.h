@@ -108,6 +108,8 @@ struct ValueData {
     double mass = 0;              ///< integral of the density over the world
     bool is_measure = false;      ///< whether the field is the density itself
     ValueCounts counts{};  ///< for sums over processes; empty: the spread is that of the whole
+    double background =
+        0;  ///< value of the field at which the density is 0; only of the density itself
 };
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field);
 /// volumes  which do not overlap
@@ -118,7 +120,7 @@ ValueData value_data(std::span<const Volume> volumes, std::span<const VoxelField
 
 /// Range of values under a colour map, from the 1st to the 99th percentile of the data, weighted by mass: linear, or logarithmic over
 /// four decades at most. Data of one value: from 0 to that value.
-/// log     nothing: where they are above 0 and a decade apart or more
+/// log     nothing: where they are above 0 and a decade apart or more, without a background
 /// throws  vog::Error for a logarithmic range of values that are not above 0
 ColorScale value_scale(const ValueData& data, std::optional<bool> log = {});
 /// A hundredth of the diagonal of the data's box, to four digits: unit distance of opacities that a user states.

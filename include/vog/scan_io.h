@@ -1,6 +1,7 @@
 // vog/scan_io.h: dense images as volumes: NIfTI, NRRD, MetaImage, raw values, TIFF stacks, FITS cubes.
 // vog::read_volume and every other reader of volumes choose these formats by extension (docs/scans.md). A voxel is
-// active where its value is not 0; with VdbOptions::ones, in an image with negative values, wherever it is a number.
+// active where its value is above the background (Volume::background, 0 unless the values show another); with
+// VdbOptions::ones where it is not 0, in an image with negative values wherever it is a number.
 #pragma once
 
 #include <filesystem>
@@ -21,6 +22,7 @@ struct VolumeInfo {
     std::string length_unit;  ///< unit of world lengths: "mm"; empty: not known
     std::string value_unit;   ///< "HU"; empty: not known
     std::string note;  ///< departures of the file from its format, and how it is read; empty: none
+    double background = 0;  ///< Volume::background that read_volume finds in a dense image
 };
 
 /// Describes the grids of a file that read_volume reads, in file order.

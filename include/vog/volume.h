@@ -67,6 +67,8 @@ struct Volume {
     std::string source;       ///< file of origin, for messages and model headers; empty: none
     Standing standing{};      ///< how the data stand, where the file says or implies it
     Units units{};            ///< as the file states them
+    /// Value of empty space in the file, as air in a scan: densities are the file's values minus this.
+    double background = 0;
 
     /// Whether there is neither a leaf nor a tile.
     bool empty() const { return leaves.empty() && tiles.empty(); }

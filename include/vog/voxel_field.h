@@ -29,6 +29,7 @@ struct VoxelField {
     std::vector<VoxelValues> component;  ///< 1: scalar, 3: vector, along the world's axes
     double lower = 0, upper = 0;         ///< range over the voxels; of a vector by magnitude
     ValueCounts counts{};                ///< values of a scalar field by mass; may be empty
+    double background = 0;  ///< Volume::background, where the values are the volume's own
 
     bool is_vector() const { return component.size() == 3; }
 };
@@ -113,7 +114,7 @@ VoxelField sample_field(const Volume& field, const std::string& name, Volume& vo
 
 /// Counts of a scalar field's values at the voxels of its volume.
 ValueCounts value_counts(const Volume& volume, const VoxelValues& values);
-/// The volume's own values as a field.
+/// The volume's own values as a field: its densities plus Volume::background.
 /// name  empty: the volume's
 VoxelField own_field(const Volume& volume, const std::string& name = {});
 /// The same for add_fields, without a copy: its component is empty, which stands for the volume's own

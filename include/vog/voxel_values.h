@@ -15,6 +15,9 @@ namespace vog {
 struct ValueRules {
     bool skip_nonfinite = false;  ///< leave out voxels of NaN or infinite value: they are inactive
     bool clip_negative = false;   ///< set negative values to 0
+    /// Value of empty space in a dense image: density is the value above it. Nothing: by the image's values
+    /// (docs/scans.md, "Background"), 0 with clip_negative.
+    std::optional<double> background{};
 };
 
 /// Values that a reader changed; the value of a tile counts once.
@@ -23,12 +26,14 @@ struct ValueNotes {
     std::uint64_t skipped_nonfinite = 0;   ///< active values not finite, left out
     std::uint64_t inactive_nonfinite = 0;  ///< inactive voxels of leaves with a value not finite
     std::optional<Vec3i> first_skipped{};  ///< index of the first voxel left out
+    std::optional<double> background{};  ///< value of empty space that the reader found, subtracted
 
     void add(const ValueNotes& other) {
         clipped_negative += other.clipped_negative;
         skipped_nonfinite += other.skipped_nonfinite;
         inactive_nonfinite += other.inactive_nonfinite;
         if (!first_skipped) first_skipped = other.first_skipped;
+        if (!background) background = other.background;
     }
 };
 

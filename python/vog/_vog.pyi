@@ -168,6 +168,7 @@ class Image:
 
 class Volume:
     name: str
+    background: float
     _units: tuple[str, str]
     @staticmethod
     def load(
@@ -178,6 +179,7 @@ class Volume:
         mask: bool = ...,
         skip_nonfinite: bool = ...,
         clip_negative: bool = ...,
+        background: Optional[float] = ...,
     ) -> Volume: ...
     @staticmethod
     def from_numpy(
@@ -299,6 +301,8 @@ class Field:
     def is_vector(self) -> bool: ...
     @property
     def is_measure(self) -> bool: ...
+    @property
+    def background(self) -> float: ...
     @property
     def unit(self) -> str: ...
     @property

@@ -17,6 +17,9 @@ std::string values_text(const ValueNotes& notes, const std::string& where) {
     if (const auto& first = notes.first_skipped)
         text += fmt::format(", the first at index [{}, {}, {}]", first->x, first->y, first->z);
     add(notes.inactive_nonfinite, "inactive voxels with a value that is not finite: empty space");
+    if (notes.background)
+        text += fmt::format("{}density is the value above the background, {:.6g}",
+                            text.empty() ? ": " : "; ", *notes.background);
     return text.empty() ? text : printable(where) + text;
 }
 

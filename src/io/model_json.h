@@ -90,6 +90,7 @@ inline nlohmann::ordered_json fields_json(const Fields& fields) {
         add(field, field.is_measure ? "measure" : "scalar");
         if (const ValueSpread& s = field.spread; s.known)
             all.back()["spread"] = {s.low, s.middle, s.high};
+        if (field.background != 0) all.back()["background"] = field.background;
     }
     for (const VectorField& field : fields.vector) add(field, "vector");
     return all;
@@ -109,6 +110,7 @@ inline Fields fields_of(const nlohmann::ordered_json& json) {
             if (!fields.vector.empty()) throw Error("a scalar field behind a vector field");
             set(fields.scalar.emplace_back(), field);
             fields.scalar.back().is_measure = kind == "measure";
+            fields.scalar.back().background = field.value("background", 0.0);
             if (!field.contains("spread")) continue;
             const Vec3d spread = vector_of(field["spread"]);
             fields.scalar.back().spread = {spread.x, spread.y, spread.z, true};

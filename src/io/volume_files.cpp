@@ -87,10 +87,20 @@ DefaultGrid default_of(const std::filesystem::path& file, const VdbOptions& opti
                            : vdb::default_grid(file, options, levels);
 }
 
+/// throws vog::Error for a stated background of a file that has none
+void check_background(const std::filesystem::path& file, const VdbOptions& options) {
+    if (options.values.background && !options.mask && !is_scan(file))
+        throw Error(
+            fmt::format("{}: has no background value, expected a dense image (.nii, .nrrd, "
+                        ".mha, .tif, ...) with --set background-value",
+                        file.string()));
+}
+
 }  // namespace
 
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
                    std::vector<std::string>* notes) {
+    check_background(file, options);
     ValueNotes found;
     std::string departure;
     if (const std::string choice =
@@ -132,6 +142,7 @@ struct VolumeReader::State {
 
 VolumeReader::VolumeReader(const std::filesystem::path& file, const VdbOptions& options)
     : state_(std::make_unique<State>()) {
+    check_background(file, options);
     if (is_nvdb(file))
         state_->whole = read_nvdb(file, options, &state_->notes);
     else if (is_scan(file))

@@ -75,6 +75,7 @@ Json fields_json(const Gaussians& model, const Camera& view) {
     for (const ScalarField& field : model.fields.scalar) {
         Json entry = named(field, false);
         entry["isMeasure"] = field.is_measure;
+        entry["background"] = field.background;
         const ValueData data = value_data(model, field);
         const ColorScale scale = value_scale(data);  // under a colour map
         entry["values"] = {scale.low, scale.high};

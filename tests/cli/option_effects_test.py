@@ -45,7 +45,7 @@ VALUES = {
     "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
     "--title": "T", "--set hits-per-slab": "1", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",
     "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
-    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--soft-steps": "7", "--lod": "4",
+    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--set background-value": "0.1", "--soft-steps": "7", "--lod": "4",
 }
 
 # Effects that depend on the data: inputs in place of the case's, for both runs.

@@ -66,6 +66,7 @@ void expect_same_fields(const Fields& a, const Fields& b) {
         const ScalarField &one = a.scalar[k], &other = b.scalar[k];
         expect_described(one, other);
         EXPECT_EQ(one.is_measure, other.is_measure);
+        EXPECT_EQ(one.background, other.background);
         EXPECT_EQ(one.value, other.value);
         EXPECT_EQ(one.gradient, other.gradient);
         EXPECT_EQ(one.deviation, other.deviation);

@@ -71,6 +71,7 @@ Json as_json(const VolumeInfo& volume) {
     if (!volume.coordinates.empty()) json["coordinates"] = volume.coordinates;
     if (!volume.length_unit.empty()) json["length_unit"] = volume.length_unit;
     if (!volume.value_unit.empty()) json["value_unit"] = volume.value_unit;
+    if (volume.background != 0) json["background"] = volume.background;
     if (!volume.note.empty()) json["note"] = volume.note;
     if (grid.affine) {
         Json rows = Json::array();
@@ -105,6 +106,8 @@ void print(const VolumeInfo& volume) {
         line("value range", fmt::format("{:.6g} to {:.6g}{}{}", grid.min, grid.max,
                                         volume.value_unit.empty() ? "" : " ", volume.value_unit));
     }
+    if (volume.background != 0)
+        line("background", fmt::format("{:.6g}, density is the value above it", volume.background));
     if (!volume.note.empty()) line("note", volume.note);
     if (!volume.coordinates.empty()) line("coordinates", volume.coordinates);
     if (grid.affine) {

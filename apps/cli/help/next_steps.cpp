@@ -47,7 +47,7 @@ std::vector<NextStep> steps_of_grid(const std::string& name, const VolumeInfo& v
                  "a picture of the inside of the surface"},
                 {fmt::format("vog convert {} --level-set-to-fog -o {}", file, ply), "Gaussians"}};
     // Signed values are no density: they are drawn by value, and become a field of Gaussians that count volume.
-    if (volume.grid.min < 0)
+    if (volume.grid.min < 0 && volume.background == 0)
         return {{fmt::format("vog render {} -o {} --show volume", file, png),
                  "a volume picture; --window CENTRE,WIDTH chooses values"},
                 {fmt::format("vog convert {} -o {} --measure volume", file, ply),

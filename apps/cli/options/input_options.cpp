@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "options/parser/settings.h"
 #include "options/parser/validators.h"
 
 namespace vog::cli {
@@ -39,6 +40,10 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
     command.add_flag("--clip-negative", options.values.clip_negative,
                      "Set negative densities or masses to 0, which are an error otherwise; their "
                      "number is reported");
+    command.add_option(setting("background-value"), options.values.background,
+                       "Value of empty space in a dense image: density is the value above it. "
+                       "Default: -1000 of Hounsfield units, the upper end of background noise, "
+                       "else 0");
 }
 
 void add_point_options(CLI::App& command, PointInputOptions& options) {

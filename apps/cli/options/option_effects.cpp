@@ -33,9 +33,10 @@ constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
 // The first row that refuses an option says why: general reasons stand first.
 const std::vector<Row> kRows = {
     // Inputs.
-    {"", "--mask --combine --level-set-to-fog", "input", "volumes"},
+    {"", "--mask --combine --level-set-to-fog --set.background-value", "input", "volumes"},
     {"", "--skip-nonfinite", "input", "volumes particles text models"},
     {"", "--clip-negative", "input", "volumes particles text"},
+    {"", "--clip-negative", "--set.background-value", "-"},
     {"convert render page pack export view info evaluate", "--grid", "input", "volumes particles"},
     {"convert", "--periodic", "input", "particles text volumes"},
     {"", "--columns --value --radius --neighbours", "input", "particles text"},
@@ -86,7 +87,8 @@ const std::vector<Row> kRows = {
     {"convert", "--set.joint-steps", "--for", "*"},
     {"convert", "--no-fields --set.spread", "--for", "-"},
     {"convert", "--no-fields", "--field", "-"},
-    {"convert page", "--level-set-to-fog --clip-negative", "--measure", "density"},
+    {"convert page", "--level-set-to-fog --clip-negative --set.background-value", "--measure",
+     "density"},
     {"", "--budget --error --lod", "--block", "-"},
     {"", "--error --lod", "--budget", "-"},
     {"", "--lod", "--error", "-"},

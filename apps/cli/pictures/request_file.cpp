@@ -22,8 +22,8 @@ using Json = nlohmann::ordered_json;
 /// Options of reading, first those of particles, then those of volumes.
 constexpr const char* kOfPoints[] = {"--columns", "--value", "--radius", "--periodic",
                                      "--neighbours"};
-constexpr const char* kOfVolumes[] = {"--grid", "--mask", "--combine", "--level-set-to-fog",
-                                      "--field"};
+constexpr const char* kOfVolumes[] = {
+    "--grid", "--mask", "--combine", "--level-set-to-fog", "--field", "--set.background-value"};
 constexpr const char* kOfAll[] = {"--skip-nonfinite", "--clip-negative"};
 
 template <class Names>

@@ -33,15 +33,19 @@ void describe(std::span<const std::vector<VoxelField>> own, Fields& fields, cons
         mine.push_back({{"name", field.front().name},
                         {"unit", field.front().unit},
                         {"vector", field.front().is_vector()},
+                        {"background", field.front().background},
                         {"measure", std::ranges::all_of(field, cli::without_values)}});
     for (const std::string& text : ranks.gather(cli::json_line(mine))) {
         if (!fields.empty()) continue;
         for (const nlohmann::json& one : nlohmann::json::parse(text)) {
             const auto set = [&](auto& to) { to.name = one["name"], to.unit = one["unit"]; };
-            if (one["vector"])
+            if (one["vector"]) {
                 set(fields.vector.emplace_back());
-            else
-                set(fields.scalar.emplace_back()), fields.scalar.back().is_measure = one["measure"];
+                continue;
+            }
+            ScalarField& field = fields.scalar.emplace_back();
+            set(field), field.is_measure = one["measure"];
+            if (field.is_measure) field.background = one["background"];
         }
     }
 }

@@ -54,14 +54,15 @@ template <class Take>
 void for_each_value(const Volume& volume, const VoxelField& field, const Take& take) {
     const VoxelValues& values = field.component.front();
     const bool own = values.leaf.empty() && values.tile.empty();
+    const double shift = own ? field.background : 0;
     for (std::size_t l = 0; l < volume.leaves.size(); ++l) {
         const Leaf& leaf = volume.leaves[l];
         for (int n = 0; n < kLeafVoxels; ++n)
             if (leaf.active(n))
-                take((own ? leaf.value : values.leaf[l])[static_cast<std::size_t>(n)], 1.0);
+                take((own ? leaf.value : values.leaf[l])[static_cast<std::size_t>(n)] + shift, 1.0);
     }
     for (std::size_t t = 0; t < volume.tiles.size(); ++t)
-        take(own ? volume.tiles[t].value : values.tile[t],
+        take((own ? volume.tiles[t].value : values.tile[t]) + shift,
              std::pow(double(volume.tiles[t].edge), 3));
 }
 
@@ -85,15 +86,14 @@ ValueRange value_range(std::span<const Volume> volumes, std::span<const VoxelFie
     const bool own = any.component.front().leaf.empty() && any.component.front().tile.empty();
     double least = std::ranges::min(field, {}, &VoxelField::lower).lower;
     const double largest = std::ranges::max(field, {}, &VoxelField::upper).upper;
-    const bool from_zero = own && least >= 0;
-    if (from_zero) least = 0;
+    const bool from_empty = own && least >= any.background;
+    if (from_empty) least = any.background;
     if (!(largest > least)) return {least, largest};
     std::vector<double> count(kBins, 0);
     double all = 0;
     for (std::size_t v = 0; v < volumes.size(); ++v)
-        for_each_value(volumes[v], field[v], [&](float value, double voxels) {
-            const double bin =
-                std::clamp((double{value} - least) / (largest - least), 0.0, 1.0) * kBins;
+        for_each_value(volumes[v], field[v], [&](double value, double voxels) {
+            const double bin = std::clamp((value - least) / (largest - least), 0.0, 1.0) * kBins;
             count[std::min(static_cast<std::size_t>(bin), kBins - 1)] += voxels;
             all += voxels;
         });
@@ -104,7 +104,7 @@ ValueRange value_range(std::span<const Volume> volumes, std::span<const VoxelFie
         return bin;
     };
     const double width = (largest - least) / kBins;
-    return {from_zero ? 0 : least + width * double(bin_above(kTail)),
+    return {from_empty ? least : least + width * double(bin_above(kTail)),
             least + width * double(bin_above(1 - kTail) + 1)};
 }
 

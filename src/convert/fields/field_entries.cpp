@@ -1,6 +1,8 @@
 // field_entries.cpp: sums over a Gaussian's part of the voxels to its planes and residuals.
 #include "convert/fields/field_entries.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@
 #include "convert/moments/covariance_adjugate.h"
 #include "core/paging.h"
 #include "data/fields/field_limits.h"
+#include "vog/error.h"
 
 namespace vog::joint {
 
@@ -36,6 +39,17 @@ std::pair<double, double> range_of(const std::vector<VoxelField>& levels) {
 bool is_measure(const VoxelField& field) {
     const VoxelValues& values = field.component.front();
     return !field.is_vector() && values.leaf.empty() && values.tile.empty();
+}
+
+/// Background of all levels of the measure.
+double background_of(const std::vector<VoxelField>& levels) {
+    for (const VoxelField& level : levels)
+        if (level.background != levels.front().background)
+            throw Error(
+                fmt::format("field '{}': backgrounds {} and {}, expected volumes of one background "
+                            "(--set background-value=VALUE sets it)",
+                            level.name, levels.front().background, level.background));
+    return levels.front().background;
 }
 
 void set_scalar(ScalarField& field, std::size_t i, const Layout::Part& part,
@@ -86,9 +100,13 @@ std::vector<Component> Layout::components(const Volume& volume,
                                           std::span<const std::vector<VoxelField>> fields,
                                           std::size_t level) const {
     std::vector<Component> all;
-    for (const Part& part : parts)
-        all.push_back({&volume, &fields[part.field][level].component[part.component],
-                       part.reference, part.unit});
+    for (const Part& part : parts) {
+        const VoxelField& field = fields[part.field][level];
+        // The volume has its own values without the background.
+        const double background = is_measure(field) ? field.background : 0;
+        all.push_back({&volume, &field.component[part.component],
+                       static_cast<float>(double{part.reference} - background), part.unit});
+    }
     return all;
 }
 
@@ -124,6 +142,7 @@ FieldEntries::FieldEntries(std::span<const std::vector<VoxelField>> fields, cons
             ScalarField& field = scalar_[f];
             describe(field);
             field.is_measure = std::ranges::all_of(fields[f], is_measure);
+            if (field.is_measure) field.background = background_of(fields[f]);
             ValueCounts counts;
             for (const VoxelField& level : fields[f]) counts.add(level.counts);
             field.spread = counts.spread();

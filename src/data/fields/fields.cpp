@@ -33,7 +33,8 @@ Field described_as(const Field& other) {
     field.lower = other.lower;
     field.upper = other.upper;
     if constexpr (std::is_same_v<Field, ScalarField>)
-        field.is_measure = other.is_measure, field.spread = other.spread;
+        field.is_measure = other.is_measure, field.spread = other.spread,
+        field.background = other.background;
     return field;
 }
 
@@ -59,6 +60,10 @@ void check_description(const Field& field) {
     if (!(field.lower <= field.upper) || !std::isfinite(field.lower) || !std::isfinite(field.upper))
         throw Error(fmt::format("field {}: range {} to {}, expected finite and in this order",
                                 in_quotes(field.name), field.lower, field.upper));
+    if constexpr (std::is_same_v<Field, ScalarField>)
+        if (!std::isfinite(field.background))
+            throw Error(fmt::format("field {}: background {}, expected a finite number",
+                                    in_quotes(field.name), field.background));
 }
 
 /// throws vog::Error unless both lists have fields of the same names and units
@@ -72,12 +77,18 @@ void require_same(const std::vector<Field>& fields, const std::vector<Field>& ot
                     fmt::format("field {}: one model has it and one has not, expected the "
                                 "same fields in models that are joined",
                                 in_quotes(field.name)));
-            if constexpr (std::is_same_v<Field, ScalarField>)
+            if constexpr (std::is_same_v<Field, ScalarField>) {
+                if (same->background != field.background)
+                    throw Error(
+                        fmt::format("field {}: backgrounds {} and {}, expected one in models that "
+                                    "are joined",
+                                    in_quotes(field.name), field.background, same->background));
                 if (same->is_measure != field.is_measure)
                     throw Error(
                         fmt::format("field {}: the measure itself in one model and not in the "
                                     "other, expected the same fields in models that are joined",
                                     in_quotes(field.name)));
+            }
             if (same->unit != field.unit)
                 throw Error(fmt::format("field {}: in {} and in {}, expected one unit",
                                         in_quotes(field.name), in_quotes(field.unit),

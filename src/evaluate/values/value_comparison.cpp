@@ -50,9 +50,9 @@ ValueComparison::ValueComparison(const VolumeSet& data, const Box& box,
     for (const Volume& volume : volumes) values_.push_back(measure_field(volume, name));
     const double lower = std::ranges::min(values_, {}, &VoxelField::lower).lower;
     const double upper = std::ranges::max(values_, {}, &VoxelField::upper).upper;
-    if (!(upper > 0))
-        throw Error(fmt::format("{}: no value above 0, expected some for pictures by value",
-                                volumes.front().source));
+    if (!(upper > volumes.front().background))
+        throw Error(fmt::format("{}: no value above {}, expected some for pictures by value",
+                                volumes.front().source, volumes.front().background));
     functions_ = functions_of(
         options.value_functions,
         comparison::value_functions(comparison::value_range(volumes, values_), box.radius()), lower,

@@ -21,10 +21,13 @@ VoxelField with_range(const Volume& volume, const std::string& name, const Take&
     float lower = std::numeric_limits<float>::infinity(), upper = -lower;
     const double voxel = voxel_volume(volume);
     VoxelField field;
-    const auto include = [&](float value, double voxels) {
+    field.background = volume.background;
+    const auto include = [&](float density, double voxels) {
+        const auto value = static_cast<float>(double{density} + field.background);
         lower = std::min(lower, value);
         upper = std::max(upper, value);
-        field.counts.add(value, double{value} * voxels * voxel);
+        field.counts.add(value, double{density} * voxels * voxel);
+        return value;
     };
     for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
         check_interrupt();
@@ -32,13 +35,11 @@ VoxelField with_range(const Volume& volume, const std::string& name, const Take&
         for (int offset = 0; offset < kLeafVoxels; ++offset) {
             if (!leaf.active(offset)) continue;
             const auto at = static_cast<std::size_t>(offset);
-            include(leaf.value[at], 1);
-            take(n, at, leaf.value[at]);
+            take(n, at, include(leaf.value[at], 1));
         }
     }
     for (const Tile& tile : volume.tiles) {
-        include(tile.value, std::pow(double(tile.edge), 3));
-        take_tile(tile.value);
+        take_tile(include(tile.value, std::pow(double(tile.edge), 3)));
     }
     field.name = name.empty() ? volume.name : name;
     if (lower <= upper) field.lower = double{lower}, field.upper = double{upper};

@@ -1,5 +1,6 @@
 // sample_field.cpp: fields in memory as OpenVDB grids, sampled like those of files.
 #include <fmt/core.h>
+#include <openvdb/tools/ChangeBackground.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -103,7 +104,13 @@ VoxelField sample_field(const Volume& field, const std::string& name, Volume& vo
     grid.where = place(name);
     require_voxels(volume, grid.where);
     openvdb::initialize();
-    grid.grid = grid_from_volume(field);
+    const openvdb::FloatGrid::Ptr values = grid_from_volume(field);
+    if (const auto background = static_cast<float>(field.background); background != 0) {
+        for (auto value = values->beginValueOn(); value; ++value)
+            value.setValue(*value + background);
+        openvdb::tools::changeBackground(values->tree(), background);
+    }
+    grid.grid = values;
     grid.world_from_index = field.world_from_index;
     grid.name = name;
     return sampled_field(grid, volume, others, notes);

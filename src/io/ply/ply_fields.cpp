@@ -15,7 +15,7 @@ namespace vog::ply {
 
 namespace {
 
-constexpr const char *kKey = "field ", *kSpread = "spread ";
+constexpr const char *kKey = "field ", *kSpread = "spread ", *kBackground = "background ";
 
 /// A comment line about a field, word by word.
 class FieldLine {
@@ -88,13 +88,16 @@ std::string comment_of(const char* kind, const Field& field) {
                        percent_escaped(field.unit));
 }
 
-/// Sets the spread of a field that an earlier line describes.
-void take_spread(const std::filesystem::path& file, const std::string& text, Fields& fields) {
+/// Sets the spread or the background of a field that an earlier line describes.
+void take_numbers(const std::filesystem::path& file, const std::string& text, Fields& fields) {
     FieldLine line(file, text);
     const std::string name = line.text();
     const auto field = std::ranges::find(fields.scalar, name, &ScalarField::name);
     if (field == fields.scalar.end()) line.refuse();
-    field->spread = {line.number(), line.number(), line.number(), true};
+    if (text.starts_with(kBackground))
+        field->background = line.number();
+    else
+        field->spread = {line.number(), line.number(), line.number(), true};
 }
 
 }  // namespace
@@ -107,6 +110,10 @@ std::string field_comments(const Fields& fields) {
         if (const ValueSpread& s = field.spread; s.known)
             text += fmt::format("comment {}{} {} {} {}\n", kSpread, percent_escaped(field.name),
                                 s.low, s.middle, s.high);
+    for (const ScalarField& field : fields.scalar)
+        if (field.background != 0)
+            text += fmt::format("comment {}{} {}\n", kBackground, percent_escaped(field.name),
+                                field.background);
     for (const VectorField& field : fields.vector) text += comment_of("vector", field);
     return text;
 }
@@ -114,7 +121,8 @@ std::string field_comments(const Fields& fields) {
 Fields described_fields(const std::filesystem::path& file, const Header& header) {
     Fields fields;
     for (const std::string& text : header.comments) {
-        if (text.starts_with(kSpread)) take_spread(file, text, fields);
+        if (text.starts_with(kSpread) || text.starts_with(kBackground))
+            take_numbers(file, text, fields);
         if (!text.starts_with(kKey)) continue;
         FieldLine line(file, text);
         const std::string kind = line.word();

@@ -11,6 +11,7 @@
 
 #include "core/paging.h"
 #include "core/parallel.h"
+#include "io/scan/scan_background.h"
 #include "io/scan/scan_file.h"
 #include "io/vdb/vdb_density.h"
 #include "vog/dense.h"
@@ -188,11 +189,20 @@ Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, V
             throw Error(
                 fmt::format("{}: a dense image, expected a level set to convert to fog", where));
         ValueNotes found;
-        Volume volume = volume_of(grid, scan.read(n), where, options, found);
+        BigVector<float> value = scan.read(n);
+        double background = 0;
+        if (!options.ones && !options.mask)
+            background = options.values.background      ? *options.values.background
+                         : options.values.clip_negative ? 0
+                                                        : background_of(grid, value);
+        if (background != 0) subtract_background(background, value);
+        Volume volume = volume_of(grid, value, where, options, found);
+        if (background != 0 && !options.values.background) found.background = background;
         if (volume.empty())
-            throw Error(fmt::format("{}: no voxel above 0{}", where,
+            throw Error(fmt::format("{}: no voxel above {}{}", where, background,
                                     options.mask ? ", expected a mask" : ", expected density"));
         volume.name = grid.name;
+        volume.background = background;
         volume.source = printable(file.string());
         if (notes) *notes = found;
         if (departure) *departure = note_of(file, scan);
@@ -216,9 +226,11 @@ std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file) {
     return with_memory_errors(file, [&] {
         const ScanFile scan = open_scan(file);
         std::vector<VolumeInfo> all;
-        for (std::size_t n = 0; n < scan.grids.size(); ++n)
-            all.push_back({info_of(file, scan.grids[n], scan.read(n)), scan.grids[n].coordinates,
-                           scan.grids[n].length_unit, scan.grids[n].value_unit, scan.note});
+        for (const ScanGrid& grid : scan.grids) {
+            const BigVector<float> value = scan.read(all.size());
+            all.push_back({info_of(file, grid, value), grid.coordinates, grid.length_unit,
+                           grid.value_unit, scan.note, background_of(grid, value)});
+        }
         return all;
     });
 }

@@ -11,7 +11,7 @@
 
 namespace vog::scan {
 
-/// Reads one grid as density. Voxels of value 0 are inactive; with VdbOptions::ones all voxels with a
+/// Reads one grid as density, the value above the background. Voxels of density 0 are inactive; with VdbOptions::ones all voxels with a
 /// number are active in an image with negative values, which has no background.
 /// throws  vog::Error as read_vdb does
 /// departure  receives ScanFile::note behind the file's name; null: not reported

@@ -23,20 +23,27 @@ Sum mix(const Sum& a, const Sum& b, double share) {
     return sum;
 }
 
+double least_measure(const ValueRange& range) {
+    return kLeastShare * std::max(std::abs(range.lower - range.background),
+                                  std::abs(range.upper - range.background));
+}
+
 /// Light per unit of the measure by value.
 class UnitLight {
   public:
     UnitLight(const ValueTransfer& transfer, const ValueRange& range, bool per_value, double unit)
-        : pieces_(transfer), per_value_(per_value), unit_(unit) {
-        least_ = kLeastShare * std::max(std::abs(range.lower), std::abs(range.upper));
-    }
+        : pieces_(transfer),
+          per_value_(per_value),
+          unit_(unit),
+          background_(range.background),
+          least_(least_measure(range)) {}
     Sum operator()(double value) const {
         constexpr double kMost = 1e30;  // of floats, with room for sums
         // Of a measure towards 0 the limit: to go to 0 there would make lines where the lower value of a pair passes it.
-        const double shown = per_value_ ? std::max(value, least_) : value;
+        const double shown = per_value_ ? std::max(value, background_ + least_) : value;
         const ValueLight light = pieces_(shown);
         double s = unit_ * light.extinction;
-        if (per_value_) s = value < 0 ? 0 : s / shown;
+        if (per_value_) s = value < background_ ? 0 : s / (shown - background_);
         s = std::min(s, kMost);
         return {s * light.r, s * light.g, s * light.b, s};
     }
@@ -44,7 +51,7 @@ class UnitLight {
   private:
     ValuePieces pieces_;
     bool per_value_;
-    double unit_, least_;
+    double unit_, background_, least_;
 };
 
 /// Divides a piece until light is linear in it to a 500th of its own.
@@ -127,9 +134,9 @@ void join_pieces(std::vector<device::LightPiece>& pieces) {
 }  // namespace
 
 ValueRange value_range(const ScalarField& field) {
-    if (field.upper > field.lower) return {field.lower, field.upper};
+    if (field.upper > field.lower) return {field.lower, field.upper, field.background};
     const double margin = std::max(std::abs(field.lower), 1e-300) * 1e-3;
-    return {field.lower - margin, field.upper + margin};
+    return {field.lower - margin, field.upper + margin, field.background};
 }
 
 LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& range,
@@ -157,7 +164,7 @@ void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange&
     };
     for (const ValueColor& point : transfer.color) add(point.value);
     for (const ValueOpacity& point : transfer.opacity) add(point.value);
-    if (per_value) add(0), add(kLeastShare * std::max(std::abs(range.lower), range.upper));
+    if (per_value) add(range.background), add(range.background + least_measure(range));
     std::ranges::sort(ends);
     ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
     Divider divider(light, range, pieces_);

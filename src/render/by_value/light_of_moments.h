@@ -15,6 +15,7 @@ namespace vog::by_value {
 /// Range of a field's data, widened where all values are one: values as shares of it.
 struct ValueRange {
     double lower = 0, upper = 1;
+    double background = 0;  ///< of the measure itself: its density is the value above this
     double share(double value) const { return (value - lower) / (upper - lower); }
     double value(double share) const { return lower + share * (upper - lower); }
 };
@@ -25,7 +26,7 @@ class LightOfMoments {
   public:
     LightOfMoments() = default;
     /// range      of the field's data
-    /// per_value  light per unit of the value: of a field that is the measure itself
+    /// per_value  light per unit of the value above the background: of a field that is the measure itself
     /// unit       factor of all light
     /// throws     vog::Error as validate(transfer) does
     LightOfMoments(const ValueTransfer& transfer, const ValueRange& range, bool per_value,

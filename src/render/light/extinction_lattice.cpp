@@ -210,7 +210,8 @@ void add_extinction(const Volume& volume, const VoxelField& field, const ValueTr
     const VoxelValues& values = field.component.front();
     const bool own = values.leaf.empty() && values.tile.empty();
     const auto extinction = [&](float density, float value) {
-        const double of_value = pieces(double{own ? density : value}).extinction;
+        const double of_value =
+            pieces(own ? double{density} + field.background : double{value}).extinction;
         return own ? of_value : of_value * double{density};
     };
     // A few parts, summed in one order: the same sums for any number of threads.

@@ -55,8 +55,8 @@ void require_inside(const TransferRequest& request, const ValueData& data) {
 }  // namespace
 
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field) {
-    ValueData data{field.lower,      field.upper, field.spread, view_box(gaussians), 0,
-                   field.is_measure, {}};
+    ValueData data{field.lower, field.upper,      field.spread, view_box(gaussians),
+                   0,           field.is_measure, {},           field.background};
     const double full = std::pow(2 * std::numbers::pi, 1.5) * mass_within(double{gaussians.cutoff});
     for (std::size_t i = 0; i < gaussians.size(); ++i) {
         const Vec3d s = vec_cast<double>(gaussians.scale[i]);
@@ -76,6 +76,7 @@ ValueData value_data(std::span<const Volume> volumes, std::span<const VoxelField
     data.lower = std::ranges::min(fields, {}, &VoxelField::lower).lower;
     data.upper = std::ranges::max(fields, {}, &VoxelField::upper).upper;
     data.is_measure = is_measure(fields.front());
+    if (data.is_measure) data.background = fields.front().background;
     for (std::size_t n = 0; n < volumes.size(); ++n) {
         data.mass += mass(volumes[n]);
         data.counts.add(fields[n].counts);
@@ -91,7 +92,8 @@ ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
     const ValueSpread& spread = data.spread;
     const double high = spread.known ? spread.high : data.upper;
     double low = spread.known ? spread.low : data.lower;
-    if (log.value_or(low > 0 && high >= kLogRatio * low)) {
+    // Values above a background have a zero of their own: ratios of them mean nothing.
+    if (log.value_or(data.background == 0 && low > 0 && high >= kLogRatio * low)) {
         if (!(high > 0))
             throw Error(fmt::format("a logarithmic range of values from {} to {}, expected above 0",
                                     data.lower, data.upper));
@@ -118,8 +120,8 @@ double map_unit_distance(const ValueData& data, const ColorScale& scale) {
     const double silhouette = 0.5 * (edge.x * edge.y + edge.y * edge.z + edge.z * edge.x);
     const double middle = data.spread.middle, share = scale_position(scale, middle);
     const double opacity = scale.kind == ColorScale::Kind::log ? share * share : share;
-    const double absorbing =
-        std::max(opacity, 0.1) * (data.is_measure ? data.mass / middle : data.mass);
+    const double absorbing = std::max(opacity, 0.1) *
+                             (data.is_measure ? data.mass / (middle - data.background) : data.mass);
     const double unit = absorbing / silhouette / kDepth;
     return unit > 0 && std::isfinite(unit) ? rounded(unit, 2) : rough_unit_distance(data.box);
 }

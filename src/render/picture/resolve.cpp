@@ -151,12 +151,14 @@ ValueData value_data(const Scene& scene, const std::string& field) {
     if (!scene.collective || !scene.collective->several()) return data;
     const bool none = scene.has_voxels() && scene.voxels().volumes->volumes.empty();
     constexpr double kNone = -std::numeric_limits<double>::infinity();
-    double most[4] = {none ? kNone : -data.lower, none ? kNone : data.upper,
-                      data.is_measure ? 1.0 : 0.0, data.counts.empty() ? 0.0 : 1.0};
+    double most[5] = {none ? kNone : -data.lower, none ? kNone : data.upper,
+                      data.is_measure ? 1.0 : 0.0, data.counts.empty() ? 0.0 : 1.0,
+                      none ? kNone : data.background};
     scene.collective->max(most);
     scene.collective->sum(data.mass);
     data.lower = -most[0], data.upper = most[1];
     data.is_measure = most[2] > 0;
+    data.background = most[4];
     if (!(most[3] > 0)) return data;
     scene.collective->sum(data.counts.weights());
     data.spread = data.counts.spread();

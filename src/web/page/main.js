@@ -85,7 +85,7 @@ const source = new (page.site ? Site : Levels)(page, decoder, {
 });
 const busy = () => Boolean(moving || player?.playing);
 
-const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, isMeasure });
+const rangeOf = ({ reference, scale, isMeasure, background }) => ({ reference, unit: scale, isMeasure, background });
 
 const slabsNow = () => page.slabs[state.show !== 'volume' ? 1 : state.light.on || state.light.shadows || state.light.occlusion ? 2 : 0];
 /** What pictures are finished with after their slabs are drawn. */

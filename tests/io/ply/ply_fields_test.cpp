@@ -55,6 +55,7 @@ TEST(ply_fields, come_back_bit_for_bit_under_their_names) {
     plain.rotation.clear();
     Gaussians measured = model_with_fields(5, 4);
     measured.fields.scalar.back().is_measure = true;
+    measured.fields.scalar.back().background = -1000.1;
     // More than a block of rows; no rows.
     for (const Gaussians& model :
          {model_with_fields(70000, 2), measured, plain, select(plain, {})}) {
@@ -169,6 +170,13 @@ TEST(ply_fields, what_does_not_fit_is_refused_by_name) {
               "comment 'field scalar temperature -0.3333333333333333 1500.1 %4'" + form);
     EXPECT_EQ(refused("1500.1 K", "1500.1 %4B"),
               "comment 'field scalar temperature -0.3333333333333333 1500.1 %4B'" + form);
+    EXPECT_EQ(refused("comment field vector", "comment background heat 1\ncomment field vector"),
+              "comment 'background heat 1'" + form);
+    EXPECT_EQ(refused("comment field vector", "comment background density x\ncomment field vector"),
+              "comment 'background density x'" + form);
+    EXPECT_EQ(
+        refused("comment field vector", "comment background density inf\ncomment field vector"),
+        "field 'density': background inf, expected a finite number");
     // The nodes' properties are those of the vertices.
     std::string bytes = bytes_of(dir / "m.ply");
     const std::string line = "property float temperature_sd\n";

@@ -118,7 +118,7 @@ TEST(vogz, files_hold_the_rounded_model_and_its_description) {
     model.box = {{-1, -2, -3}, {1e7, 2, 3}};
     model.source = "cloud.vdb density", model.source_voxels = 1234567890123;
     model.method = "moments", model.options = "--budget 7", model.summary = "a \"summary\"\n";
-    model.fields.scalar.back().is_measure = true;
+    model.fields.scalar.back().is_measure = true, model.fields.scalar.back().background = -0.1;
     model.cutoff = 2.5f;
     for (const bool deflate : {false, true}) {
         write_vogz(dir / "m.vogz", model, {}, {{}, deflate});

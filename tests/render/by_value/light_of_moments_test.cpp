@@ -23,7 +23,9 @@ std::array<double, 4> quadrature(const ValueTransfer& transfer, const ValueRange
         if (share < 0 || share > 1) continue;
         const double value = range.value(share), weight = std::exp(-0.5 * z * z);
         const ValueLight light = light_of(transfer, value);
-        const double s = light.extinction / (per_value ? std::max(value, 1e-3 * range.upper) : 1);
+        const double measure =
+            std::max(value - range.background, 1e-3 * (range.upper - range.background));
+        const double s = light.extinction / (per_value ? measure : 1);
         const double part[4] = {s * light.r, s * light.g, s * light.b, s};
         for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * part[c];
         whole += weight;
@@ -53,9 +55,9 @@ ValueTransfer band(double from, double width) {
 }
 
 TEST(light_of_moments, is_the_integral_over_a_normal_distribution) {
-    const ValueRange range{0, 10};
-    for (const bool per_value : {false, true})
+    for (const auto& [per_value, background] : {std::pair{false, 0.0}, {true, 0.0}, {true, -3.0}})
         for (const double width : {3.0, 0.4, 0.01}) {
+            const ValueRange range{0, 10, background};
             const ValueTransfer transfer = band(4, width);
             const LightOfMoments light(transfer, range, per_value);
             double most = 0;

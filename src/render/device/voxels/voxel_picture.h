@@ -12,8 +12,9 @@ struct VoxelVolume {
     const void* density;  ///< nanovdb::NanoGrid<float>, not empty
     /// Components of the field: grids with the nodes of `density`. None: the field is the density itself.
     const void* component[3];
-    Double3 row[3];          ///< of the linear part of index_from_world
-    Double3 corner;          ///< a point in the world ...
+    double background;  ///< of the density itself as a field: its value is the density plus this
+    Double3 row[3];     ///< of the linear part of index_from_world
+    Double3 corner;     ///< a point in the world ...
     Double3 corner_in_grid;  ///< ... and in index space, plus 1/2
 
     VOG_HD Double3 to_grid(Double3 v) const {

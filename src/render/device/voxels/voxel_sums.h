@@ -16,7 +16,7 @@ VOG_HD const NanoVoxels& voxels_of(const void* grid) {
 /// towards  unit length
 VOG_HD double value_at(const VoxelPicture& p, const VoxelVolume& v, const VoxelPiece& at,
                        Double3 towards) {
-    if (!v.component[0]) return at.density;
+    if (!v.component[0]) return at.density + v.background;
     double value[3] = {0, 0, 0};
     for (int n = 0; n < (p.along_rays ? 3 : 1); ++n) {
         const auto& tree = voxels_of(v.component[n]).tree();
@@ -30,10 +30,10 @@ VOG_HD double value_at(const VoxelPicture& p, const VoxelVolume& v, const VoxelP
     return p.along_rays ? dot(towards, {value[0], value[1], value[2]}) : value[0];
 }
 
-/// Value of a neighbour: inactive ones have 0 where the field is the density, else that of the voxel.
+/// Value of a neighbour: inactive ones have the background where the field is the density, else that of the voxel.
 VOG_HD double neighbour(const VoxelVolume& v, nanovdb::Coord at, double otherwise) {
     const auto& tree = voxels_of(v.density).tree();
-    if (!v.component[0]) return static_cast<double>(tree.getValue(at));
+    if (!v.component[0]) return static_cast<double>(tree.getValue(at)) + v.background;
     return tree.isActive(at) ? static_cast<double>(voxels_of(v.component[0]).tree().getValue(at))
                              : otherwise;
 }

@@ -80,7 +80,7 @@ void GpuVolumes::State::load(std::span<const Volume> volumes, std::span<const Vo
         if (fields && !reference::is_own(of[n]))
             for (const VoxelValues& values : of[n].component)
                 components.push_back(nano_tree(with_values(volumes[n], values), false));
-        VoxelGridBytes bytes{bytes_of(density)};
+        VoxelGridBytes bytes{bytes_of(density), {}, fields ? of[n].background : 0};
         for (const NanoTree& tree : components) bytes.component.push_back(bytes_of(tree));
         scene.add(bytes);
     }

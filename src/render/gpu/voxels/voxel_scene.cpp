@@ -88,6 +88,7 @@ void VoxelScene::add(const VoxelGridBytes& volume) {
     const auto& upper = grid.indexBBox().max();
     const Vec3d corner{double(lower[0]), double(lower[1]), double(lower[2])};
     for (int r = 0; r < 3; ++r) added.volume.row[r] = plain(to_index.row[r]);
+    added.volume.background = volume.background;
     added.volume.corner = plain(to_world(corner));
     added.volume.corner_in_grid = plain(corner + Vec3d{0.5, 0.5, 0.5});
     // Voxel i fills [i - 1/2, i + 1/2].

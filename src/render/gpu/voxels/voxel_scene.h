@@ -16,7 +16,8 @@ namespace vog::gpu {
 struct VoxelGridBytes {
     std::span<const std::byte> density;
     std::vector<std::span<const std::byte>>
-        component{};  ///< of the field, with the nodes of `density`
+        component{};        ///< of the field, with the nodes of `density`
+    double background = 0;  ///< VoxelVolume::background
 };
 
 /// Part of a field that rays add up.

@@ -82,7 +82,7 @@ Vec3i FieldGrid::tile_origin(Vec3d lower) const {
 }
 
 double FieldGrid::tile_value(Vec3d towards, Vec3i origin, double density) const {
-    if (own_) return density;
+    if (own_) return density + field_.background;
     const std::size_t index = place_of(volume_.tiles, origin);
     return shown(towards, [&](std::size_t c) { return field_.component[c].tile[index]; });
 }
@@ -91,7 +91,7 @@ double FieldGrid::neighbour(Vec3i index, double otherwise) const {
     const nanovdb::Coord coord(index.x, index.y, index.z);
     const auto& tree = grid_.data().tree.grid().tree();
     if (beside_ && !tree.isActive(coord)) return beside_->neighbour(index, otherwise);
-    if (own_) return double{tree.getValue(coord)};
+    if (own_) return double{tree.getValue(coord)} + field_.background;
     if (!tree.isActive(coord)) return otherwise;
     const std::size_t leaf = place_of(volume_.leaves, aligned(index, kLeafEdge));
     if (leaf < volume_.leaves.size()) {

@@ -88,7 +88,7 @@ class FieldGrid {
     }
 
     /// Gradient of a scalar field in a voxel by central differences, per world unit. Inactive neighbours have the
-    /// value 0 where the field is the volume's own, else that of the voxel; inside tiles it is 0.
+    /// background where the field is the volume's own, else that of the voxel; inside tiles it is 0.
     Vec3d gradient(const FieldCell& cell) const;
 
   private:
@@ -155,7 +155,7 @@ class FieldGrid {
         }
     }
     double leaf_value(Vec3d towards, std::size_t leaf, std::uint32_t offset, double density) const {
-        if (own_) return density;
+        if (own_) return density + field_.background;
         return shown(towards,
                      [&](std::size_t c) { return field_.component[c].leaf[leaf][offset]; });
     }

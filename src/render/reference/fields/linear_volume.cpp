@@ -38,7 +38,7 @@ Volume with_voxel_values(const Volume& volume, const LeafValue& leaf_value,
 
 LinearVolume::LinearVolume(const Volume& volume, const VoxelField& field,
                            const VoxelGridOptions& voxels)
-    : density_(voxel_grid(volume, checked(voxels))) {
+    : density_(voxel_grid(volume, checked(voxels))), background_(field.background) {
     if (is_own(field)) return;
     const VoxelValues& values = field.component[0];
     const double lower = field.lower, range = field.upper > lower ? field.upper - lower : 1;

@@ -10,7 +10,7 @@
 
 namespace vog::reference {
 
-/// Density between voxel centres, inactive voxels being 0, and a field: the density itself, or the mean of the active
+/// Density between voxel centres, inactive voxels being 0, and a field: the density itself plus its background, or the mean of the active
 /// voxels around a point by their trilinear weights.
 class LinearVolume {
   public:
@@ -80,7 +80,8 @@ class LinearVolume {
                 const Block::Cell at = density.at(point);
                 if (!of.parts_) {
                     const double value = at.value();
-                    goes_on = visit(Sample{value, value, at.gradient()}, t, steps.spacing);
+                    goes_on = visit(Sample{value, value + of.background_, at.gradient()}, t,
+                                    steps.spacing);
                 } else if (const Block::Cell near = weight->at(point); near.value() > 0) {
                     goes_on =
                         visit(of.mean(at.value(), weighted->at(point), near), t, steps.spacing);
@@ -101,6 +102,7 @@ class LinearVolume {
     };
     VoxelGrid density_;
     std::optional<Parts> parts_;
+    double background_;  ///< value of the density itself as a field where the density is 0
 };
 
 }  // namespace vog::reference

@@ -86,7 +86,7 @@ export class Probe {
   /**
    * Probes a ray.
    * parts   [{instances, data: of the field, first, count}]
-   * what    {transfer, source: {reference, unit, isMeasure}, clip of clip.js}
+   * what    {transfer, source: {reference, unit, isMeasure, background}, clip of clip.js}
    * returns {opacity: of the whole ray, value, depth: from the eye in world units; null: nothing is opaque}
    */
   probe(parts, model, ray, { transfer, source, clip }) {

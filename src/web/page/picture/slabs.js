@@ -87,10 +87,10 @@ export class Slabs {
   }
 
   /** Pieces and table of the mean light of a transfer function. */
-  setLight(transfer, { reference, unit, isMeasure }) {
-    const of = [transfer, reference, unit, isMeasure];
+  setLight(transfer, source) {
+    const of = [transfer, ...Object.values(source)];
     if (this.light && isSame(of, this.light.of)) return;
-    const { renderer } = this, { gl } = renderer, light = lightOf(transfer, { reference, unit, isMeasure });
+    const { renderer } = this, { gl } = renderer, light = lightOf(transfer, source);
     const rows = Math.ceil(light.pieces.length / pieceColumns), data = new Float32Array(12 * rows * pieceColumns);
     light.pieces.forEach(([start, end, first, last], n) => [[start, end], first, last].forEach((four, k) =>
       data.set(four, 4 * ((3 * Math.floor(n / pieceColumns) + k) * pieceColumns + (n % pieceColumns)))));

@@ -40,19 +40,19 @@ function followed(pieces, valueAt) {
 
 /**
  * Light per unit of the measure as pieces that are linear in the value, as render/by_value/light_of_moments.cpp makes them. Values are shares of the data's range.
- * source   {reference, unit, isMeasure}: the range is reference ± unit
+ * source   {reference, unit, isMeasure, background}: the range is reference ± unit; the measure is the value above the background
  * returns  {pieces: [[start, end, light, light]] over its most, most, columns: uniform of finish.frag, exact: for bands narrower than them}
  */
 export function lightOf({ colors, opacity, unit }, source) {
   const low = source.reference - source.unit, range = 2 * source.unit, own = (value) => (value - low) / range;
-  const least = leastShare * Math.max(Math.abs(low), Math.abs(low + range));
+  const empty = source.background ?? 0, least = empty + leastShare * Math.max(Math.abs(low - empty), Math.abs(low + range - empty));
   const light = (share) => {
     const value = low + range * share, shown = source.isMeasure ? Math.max(value, least) : value;
     let s = extinctionOf(walker(opacity)(shown)[1], unit);
-    if (source.isMeasure) s = value < 0 ? 0 : s / shown;
+    if (source.isMeasure) s = value < empty ? 0 : s / (shown - empty);
     return [...walker(colors)(shown).slice(1), 1].map((c) => c * s);
   };
-  const values = [...colors.map(([v]) => own(v)), ...opacity.map(([v]) => own(v)), ...(source.isMeasure ? [own(0), own(least)] : [])];
+  const values = [...colors.map(([v]) => own(v)), ...opacity.map(([v]) => own(v)), ...(source.isMeasure ? [own(empty), own(least)] : [])];
   const ends = [...new Set([0, 1, ...values.filter((v) => v > 0 && v < 1)])].sort((a, b) => a - b), pieces = [];
   // Just inside: at a step of the transfer function the ends have other values.
   for (let n = 0; n + 1 < ends.length; ++n) {

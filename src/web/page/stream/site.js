@@ -151,8 +151,8 @@ export class Site {
     return (chunk) => of.of(chunk.box);
   }
   latticeOfValues({ instances }, data, transfer) {
-    const state = this.view.state(), model = this.page.models[state.model], { reference, scale: unit, isMeasure } = model.fields[state.field];
-    return Visibility.ofValues(model, this.root.box, instances, data, extinctionIn(lightOf(transfer, { reference, unit, isMeasure })));
+    const state = this.view.state(), model = this.page.models[state.model], { reference, scale: unit, isMeasure, background } = model.fields[state.field];
+    return Visibility.ofValues(model, this.root.box, instances, data, extinctionIn(lightOf(transfer, { reference, unit, isMeasure, background })));
   }
 
   // --- Drawing. ---

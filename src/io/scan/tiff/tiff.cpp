@@ -19,7 +19,7 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "io/scan/scan_values.h"
-#include "io/scan/tiff_stack.h"
+#include "io/scan/tiff/tiff_stack.h"
 #include "vog/text.h"
 #endif
 

@@ -1,5 +1,5 @@
 // tiff_stack.cpp: Descriptions of TIFF files by ImageJ, OME (https://docs.openmicroscopy.org/ome-model) and tifffile.
-#include "io/scan/tiff_stack.h"
+#include "io/scan/tiff/tiff_stack.h"
 
 #include <fmt/format.h>
 
