@@ -1,5 +1,6 @@
 // bind_convert.cpp: convert(), for volumes, levels and particles.
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,6 +22,21 @@ namespace {
 
 using Model = std::shared_ptr<Gaussians>;
 
+/// Keywords of options, in the order of the stub; None: the conversion's default.
+constexpr const char* kKeywords[] = {"block",          "budget",
+                                     "error",          "lod",
+                                     "soft_steps",     "spread",
+                                     "mass_threshold", "refine_seconds",
+                                     "axis_aligned",   "measure",
+                                     "value",          "radius",
+                                     "neighbours",     "smoothing",
+                                     "periodic",       "strategy",
+                                     "dense_block",    "amplitude",
+                                     "kappa",          "opacity_threshold",
+                                     "minimum_radius", "variance_threshold",
+                                     "similarity",     "tree_depth",
+                                     "joint_field",    "joint_steps"};
+
 /// Keyword arguments of convert(); None: not given. An option without effect on the conversion is
 /// an error.
 class Options {
@@ -31,7 +47,7 @@ class Options {
     template <class T>
     void take(const char* name, T& value) {
         known_.emplace_back(name);
-        const py::object option = given_[name];
+        const py::object option = given(name);
         if (option.is_none()) return;
         constexpr const char* kExpected = std::is_same_v<T, std::string> ? "a text"
                                           : std::is_same_v<T, bool>      ? "True or False"
@@ -42,19 +58,19 @@ class Options {
     /// The option itself; None: not given.
     py::object take(const char* name) {
         known_.emplace_back(name);
-        return given_[name];
+        return given(name);
     }
     /// The same for numbers > 0. throws vog::Error for others
     template <class T>
     void take_positive(const char* name, T& value) {
         take(name, value);
-        if (!given_[name].is_none() && !(value > 0))
+        if (!given(name).is_none() && !(value > 0))
             throw Error(std::string("convert: ") + name + " " +
-                        py::str(given_[name]).cast<std::string>() + ", expected above 0");
+                        py::str(given(name)).cast<std::string>() + ", expected above 0");
     }
     /// throws vog::Error for a given option that has no effect: "without joint_field"
     void require(const char* name, bool has_effect, const char* otherwise) const {
-        const py::object option = given_[name];
+        const py::object option = given(name);
         if (!option.is_none() && !option.is(py::bool_(false)) && !has_effect)
             throw Error(std::string("convert: ") + name + " has no effect " + otherwise);
     }
@@ -71,6 +87,9 @@ class Options {
     }
 
   private:
+    py::object given(const char* name) const {
+        return given_.contains(name) ? py::object(given_[name]) : py::none();
+    }
     py::dict given_;
     std::vector<std::string> known_;
 };
@@ -388,12 +407,14 @@ Model of_points(const Points& points, const std::string& method, Options& option
 }
 
 Model convert(const py::object& data, const std::string& method, const py::object& fields,
-              const py::object& progress, const py::object& report, py::dict given) {
+              const py::object& progress, const py::object& report, const py::kwargs& given) {
+    py::module_::import("vog._messages")
+        .attr("refuse_unknown")("convert", given, std::to_array(kKeywords));
     if (method != "moments" && method != "paper")
         throw Error("convert: method '" + method + "', expected 'moments' or 'paper'");
     if (!report.is_none() && !py::isinstance<py::dict>(report))
         throw py::type_error("convert: report: expected a dict to fill");
-    Options options(std::move(given));
+    Options options(given);
     if (py::isinstance<Points>(data))
         return of_points(data.cast<const Points&>(), method, options, progress, report, fields);
     if (!py::isinstance<Volume>(data) && !levels_of(data))
@@ -405,46 +426,17 @@ Model convert(const py::object& data, const std::string& method, const py::objec
 }  // namespace
 
 void bind_convert(py::module_& m) {
-    // Keywords in the order of the stub; None: the conversion's default.
-    const auto none = py::none();
+    std::string signature = "convert(data, *, method='moments'";
+    for (const char* keyword : kKeywords) signature += std::string(", ") + keyword + "=None";
+    signature += ", fields=None, progress=None, report=None) -> vog.Gaussians\n\n";
+    py::options options;
+    options.disable_function_signatures();
     m.def(
-        "convert",
-        [](const py::object& data, const std::string& method, py::object block, py::object budget,
-           py::object error, py::object lod, py::object soft_steps, py::object spread,
-           py::object mass_threshold, py::object refine_seconds, py::object axis_aligned,
-           py::object measure, py::object value, py::object radius, py::object neighbours,
-           py::object smoothing, py::object periodic, py::object strategy, py::object dense_block,
-           py::object amplitude, py::object kappa, py::object opacity_threshold,
-           py::object minimum_radius, py::object variance_threshold, py::object similarity,
-           py::object tree_depth, const py::object& fields, py::object joint_field,
-           py::object joint_steps, const py::object& progress, const py::object& report) {
-            using namespace py::literals;
-            py::dict given(
-                "block"_a = block, "budget"_a = budget, "error"_a = error, "lod"_a = lod,
-                "soft_steps"_a = soft_steps, "spread"_a = spread,
-                "mass_threshold"_a = mass_threshold, "refine_seconds"_a = refine_seconds,
-                "axis_aligned"_a = axis_aligned, "measure"_a = measure, "value"_a = value,
-                "radius"_a = radius, "neighbours"_a = neighbours, "smoothing"_a = smoothing,
-                "periodic"_a = periodic, "strategy"_a = strategy, "dense_block"_a = dense_block,
-                "amplitude"_a = amplitude, "kappa"_a = kappa,
-                "opacity_threshold"_a = opacity_threshold, "minimum_radius"_a = minimum_radius,
-                "variance_threshold"_a = variance_threshold, "similarity"_a = similarity,
-                "tree_depth"_a = tree_depth, "joint_field"_a = joint_field,
-                "joint_steps"_a = joint_steps);
-            return convert(data, method, fields, progress, report, std::move(given));
-        },
-        py::arg("data"), py::kw_only(), py::arg("method") = "moments", py::arg("block") = none,
-        py::arg("budget") = none, py::arg("error") = none, py::arg("lod") = none,
-        py::arg("soft_steps") = none, py::arg("spread") = none, py::arg("mass_threshold") = none,
-        py::arg("refine_seconds") = none, py::arg("axis_aligned") = none, py::arg("measure") = none,
-        py::arg("value") = none, py::arg("radius") = none, py::arg("neighbours") = none,
-        py::arg("smoothing") = none, py::arg("periodic") = none, py::arg("strategy") = none,
-        py::arg("dense_block") = none, py::arg("amplitude") = none, py::arg("kappa") = none,
-        py::arg("opacity_threshold") = none, py::arg("minimum_radius") = none,
-        py::arg("variance_threshold") = none, py::arg("similarity") = none,
-        py::arg("tree_depth") = none, py::arg("fields") = none, py::arg("joint_field") = none,
-        py::arg("joint_steps") = none, py::arg("progress") = none, py::arg("report") = none,
-        R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
+        "convert", &convert, py::arg("data"), py::kw_only(), py::arg("method") = "moments",
+        py::arg("fields") = py::none(), py::arg("progress") = py::none(),
+        py::arg("report") = py::none(),
+        (signature +
+         R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
 
 data      a Volume; Levels or a list of Volumes: levels of one mesh, where finer ones hide coarser; Points
 method    'moments': each Gaussian has the mass, mean and covariance of its cell, the voxels or particles
@@ -514,7 +506,8 @@ same bytes for any number of threads. The interpreter lock is released; Ctrl-C i
 >>> abs(model.mass / volume.mass - 1) < 1e-3
 True
 >>> len(vog.convert(volume, budget=500)) <= 500
-True)");
+True)")
+            .c_str());
 }
 
 }  // namespace vog::python

@@ -8,6 +8,7 @@
 #include "picture_data.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
+#include "vog/request_schema.h"
 
 namespace vog::python {
 
@@ -263,7 +264,13 @@ void bind_picture(py::module_& m) {
         .def(py::init<py::object, py::object>())
         .def("draw", &PictureScene::draw);
     m.def("_transfer_json", &transfer_json);
-    m.def("_request_keys", &request_keys);
+    m.def("_request_schema", [] {
+        py::dict all;
+        for (const RequestMember& one : request_schema())
+            all[py::str(one.key)] = py::make_tuple(one.takes, one.text, one.unset, one.choices,
+                                                   one.shows, one.renderers);
+        return all;
+    });
 }
 
 }  // namespace vog::python

@@ -41,10 +41,15 @@ struct QuantityArguments {
         given["show"] = show, given["field"] = field, given["range"] = range, given["clip"] = clip;
         given["clip_planes"] = clip_planes, given["light"] = light;
         given["unit_distance"] = unit_distance, given["tf"] = tf;
-        if (log) given["scale"] = *log ? "log" : "linear";
-        return request_of_json(py::module_::import("vog._picture")
-                                   .attr("_json")("export_html", given)
-                                   .cast<std::string>());
+        if (log && (*log || show != "T")) given["scale"] = *log ? "log" : "linear";
+        const PictureRequest request = request_of_json(py::module_::import("vog._picture")
+                                                           .attr("_json")("export_html", given)
+                                                           .cast<std::string>());
+        require_effects(request);
+        return request;
+    } catch (const RequestError& error) {
+        const std::string& member = error.member();
+        throw Error("export_html: " + (member == "scale" ? "log" : member) + error.text());
     } catch (const Error& error) {
         throw Error(std::string("export_html: ") + error.what());
     }
@@ -63,29 +68,8 @@ void choose_volume(HtmlQuantity& quantity, PictureRequest request, std::optional
     quantity.transfer = choose_transfer(request.transfer, value_data(model, *field)).transfer;
 }
 
-/// Refuses what has no effect on the quantity that the page shows first.
-void require_effects(const QuantityArguments& given) {
-    const std::string& show = given.show;
-    const bool of_field = show == "mean" || show == "deviation" || show == "maximum";
-    const bool volume = show == "volume";
-    const auto require = [&](const char* name, bool is_given, bool effect, const char* expected) {
-        if (is_given && !effect)
-            throw Error(std::string("export_html: ") + name + " has no effect with show '" + show +
-                        "', expected " + expected);
-    };
-    require("field", !given.field.empty(), of_field || volume,
-            "'mean', 'deviation', 'volume' or 'maximum'");
-    require("range", !given.range.is_none(), show != "T",
-            "'column', 'mean', 'deviation', 'volume' or 'maximum'");
-    require("log", given.log.value_or(false), show != "T",
-            "'column', 'mean', 'deviation', 'volume' or 'maximum'");
-    require("light", !given.light.is_none(), volume, "'volume'");
-    require("unit_distance", !given.unit_distance.is_none(), volume, "'volume'");
-}
-
 HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
                          const Gaussians& model) {
-    require_effects(given);
     const PictureRequest request = given.request(tf);
     HtmlQuantity quantity;
     quantity.show = given.show;

@@ -12,9 +12,7 @@
 
 namespace vog {
 
-/// Keys of requests in JSON: "show", "field", "tf", ...
-std::vector<std::string> request_keys();
-/// Members of a request that are not at their defaults, as a JSON object.
+/// Members of a request that are not at their defaults, as a JSON object: by the keys of request_schema(), and "camera".
 std::string request_json(const PictureRequest& request);
 /// Request of a JSON object with these keys; null stands for the default.
 /// base    members that the object does not state

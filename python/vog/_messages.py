@@ -1,7 +1,8 @@
 """Short errors of calls with wrong arguments: what was given and what is expected, and never the content of an array."""
+import difflib
 import functools
 import re
-from typing import Any, Callable
+from typing import Any, Callable, Iterable, Sequence
 
 from ._packages import described
 
@@ -14,6 +15,14 @@ _FLAGS = [
     (re.compile(r", or --memory, with which.*"), lambda found: ""),
     (re.compile(r"vog convert VOLUME -o model.ply --field \S+"), lambda found: "vog.convert(volume, fields=...)"),
 ]
+
+
+def refuse_unknown(call: str, given: "Iterable[str]", known: "Sequence[str]") -> None:
+    """A TypeError for a keyword that a call lacks, with the nearest one that it has."""
+    for key in given:
+        if key not in known:
+            near = "".join(f", nearest '{one}'" for one in difflib.get_close_matches(key, known, 1))
+            raise TypeError(f"{call}: unknown keyword '{key}'{near}, expected {', '.join(known)}")
 
 
 def _spoken(error: Exception) -> str:

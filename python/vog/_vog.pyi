@@ -1,5 +1,5 @@
 # Type stubs of the compiled module vog._vog. Its docstrings have shapes, units and errors.
-# tests/python/test_stubs.py checks the stubs against the module.
+# tests/python/test_stubs.py checks the stubs against the module, and with VOG_WRITE_STUB=1 writes the keywords of requests.
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, Optional, SupportsFloat, SupportsIndex, Tuple, Union, overload
@@ -34,6 +34,7 @@ __all__ = [
     "Picture",
     "PictureDifference",
     "DepthDifference",
+    "render",
     "compare",
     "compare_shaded",
     "difference_map",
@@ -440,9 +441,9 @@ def convert(
     variance_threshold: Union[float, None] = ...,
     similarity: Union[float, None] = ...,
     tree_depth: Union[int, None] = ...,
-    fields: Union[dict[str, Any], Sequence[str], bool, None] = ...,
     joint_field: Union[str, None] = ...,
     joint_steps: Union[int, None] = ...,
+    fields: Union[dict[str, Any], Sequence[str], bool, None] = ...,
     progress: Union[_Progress, None] = ...,
     report: Union[dict[str, Any], None] = ...,
 ) -> Gaussians: ...
@@ -477,17 +478,9 @@ class Picture:
     def recolor(
         self,
         *,
-        tf: Optional[_Map] = ...,
-        range: Union[ArrayLike, None] = ...,
-        scale: Union[str, None] = ...,
-        extinction: Union[float, None] = ...,
-        background: Union[str, _Vector, None] = ...,
-        blend: Union[bool, None] = ...,
-        least_column: Union[float, None] = ...,
-        color_bar: Union[bool, None] = ...,
-        axes: Union[bool, None] = ...,
-        scale_bar: Union[bool, None] = ...,
-        title: Union[str, None] = ...,
+        tf: Optional[_Map] = ..., range: Optional[ArrayLike] = ..., scale: Optional[str] = ..., extinction: Optional[_Extinction] = ...,
+        background: Optional[Union[str, _Vector]] = ..., blend: Optional[bool] = ..., least_column: Optional[float] = ...,
+        color_bar: Optional[bool] = ..., axes: Optional[bool] = ..., scale_bar: Optional[bool] = ..., title: Optional[str] = ...,
     ) -> Picture: ...
     def save(self, file: _Path) -> None: ...
     def save_values(self, file: _Path) -> None: ...
@@ -504,7 +497,26 @@ class _Scene:
     def draw(self, request: str, progress: Union[_Progress, None], /) -> Picture: ...
 
 def _transfer_json(tf: Any, /) -> str: ...
-def _request_keys() -> list[str]: ...
+def _request_schema() -> dict[str, tuple[str, str, str, list[str], str, str]]: ...
+def render(
+    data: _Drawable,
+    camera: Optional[Camera] = ...,
+    size: _Size = ...,
+    *,
+    fields: Optional[dict[str, Any]] = ...,
+    progress: Optional[_Progress] = ...,
+    show: Optional[str] = ..., field: Optional[str] = ..., range: Optional[ArrayLike] = ..., scale: Optional[str] = ...,
+    units: Optional[str] = ..., least_column: Optional[float] = ..., tf: Optional[_Map] = ..., extinction: Optional[_Extinction] = ...,
+    background: Optional[Union[str, _Vector]] = ..., blend: Optional[bool] = ..., window: Optional[ArrayLike] = ...,
+    bands: Optional[Sequence[Any]] = ..., threshold: Optional[float] = ..., unit_distance: Optional[float] = ...,
+    light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ..., light_from: Optional[ArrayLike] = ...,
+    ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ..., light_weights: Optional[ArrayLike] = ...,
+    slabs: Optional[int] = ..., clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ..., color_bar: Optional[bool] = ...,
+    axes: Optional[bool] = ..., scale_bar: Optional[bool] = ..., title: Optional[str] = ..., renderer: Optional[str] = ...,
+    pixel_error: Optional[float] = ..., kappa: Optional[float] = ..., aabb_sigma: Optional[float] = ..., interpolation: Optional[str] = ...,
+    step: Optional[float] = ..., samples: Optional[int] = ..., anyhit: Optional[str] = ..., hits_per_slab: Optional[int] = ...,
+    stop_transmittance: Optional[float] = ...,
+) -> Picture: ...
 
 class PictureDifference:
     @property

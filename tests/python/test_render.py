@@ -141,7 +141,7 @@ def test_a_scene_draws_many_views_and_quantities(model, cloud):
                 one, other = (draw(camera, 40, show=show, renderer=renderer) for draw in (scene.render, functools.partial(vog.render, data)))
                 assert np.array_equal(one.values, other.values, equal_nan=True) and one.request == other.request
                 assert np.array_equal(one.image, other.image) and one.camera == camera
-    with pytest.raises(TypeError, match="render: unknown keyword 'value_range', expected show, field, range"):
+    with pytest.raises(TypeError, match="render: unknown keyword 'value_range', nearest 'range', expected show, field, range"):
         scene.render(value_range=(0, 1))
     with pytest.raises(TypeError, match="value_range"):
         vog.render(model, value_range=(0, 1))

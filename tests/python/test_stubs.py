@@ -1,14 +1,17 @@
 """The stub file matches the module: names by mypy's stubtest, parameters by the docstrings, types by use."""
 import ast
 import inspect
+import os
 import pathlib
 import re
 import subprocess
 import sys
+import textwrap
 
 import pytest
 
 import vog
+from conftest import SOURCE
 from vog import _vog
 
 STUB = pathlib.Path(_vog.__file__).with_name("_vog.pyi")
@@ -76,6 +79,44 @@ def test_parameters_are_those_of_the_stub():
         assert stub.get(name) == words, name
 
 
+def type_of(key):
+    """Type of a keyword of requests, by its row of the schema."""
+    takes, _, _, choices, *_ = _vog._request_schema()[key]
+    if key == "tf":
+        return "_Map"
+    if key == "extinction":
+        return "_Extinction"
+    if choices or takes in ("NAME", "UNIT", "TEXT"):
+        return "str"
+    if not takes:
+        return "bool"
+    if takes in ("N", "OCTAVES"):
+        return "int"
+    if takes == "COLOUR":
+        return "Union[str, _Vector]"
+    if "COLOUR" in takes:
+        return "Sequence[Any]"
+    if "," in takes:
+        return "Union[str, ArrayLike]" if re.search("[a-z]", takes) else "ArrayLike"
+    assert takes.isupper() and takes.isalpha(), f"{key}: no type for {takes}"
+    return "float"
+
+
+def test_keywords_of_requests_are_those_of_the_schema():
+    text = wanted = STUB.read_text()
+    for call, indent in ((vog.render, 4), (vog.Picture.recolor, 8)):
+        keys = [key for key in inspect.signature(call).parameters if key in _vog._request_schema() and key != "size"]
+        words = ", ".join(f"{key}:~Optional[{type_of(key).replace(' ', '~')}]~=~..." for key in keys) + ","
+        lines = textwrap.indent(textwrap.fill(words, 136), " " * indent).replace("~", " ") + "\n"
+        wanted = re.sub(
+            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:fields|progress): [^\n]*\n)*).*?(?= *\) -> )",
+            lambda found: found[1] + found[2] + lines, wanted, count=1, flags=re.S,
+        )
+    if os.environ.get("VOG_WRITE_STUB"):
+        (SOURCE / "python" / "vog" / "_vog.pyi").write_text(wanted)
+    assert text == wanted, "VOG_WRITE_STUB=1 writes the stub"
+
+
 def test_every_public_thing_is_documented():
     for name in _vog.__all__:
         item = getattr(vog, name)
@@ -106,8 +147,10 @@ def test_stubtest_finds_every_name(tmp_path):
         line
         for line in done.stdout.splitlines()
         if not re.search(r"metaclass differs|\.__(getstate|setstate|init|hash|array)__ ", line)
+        # Calls of Python whose **request stands for the keywords that the stub of vog._vog lists.
+        and not re.search(r"^vog\.(_picture|_projection)\.(render|recolor) is inconsistent", line)
         # Modules with types of their own, whose names of typing are no types when they run.
-        and not re.search(r"^vog\.(_picture|_projection|_readers|_show|_units|report)\.\w+(@\d+)? is not (a type|present at runtime)", line)
+        and not re.search(r"^vog\.(_messages|_picture|_projection|_readers|_show|_units|report)\.\w+(@\d+)? is not (a type|present at runtime)", line)
     ]
     assert done.stdout and not ours, "\n".join(ours) + done.stderr
 

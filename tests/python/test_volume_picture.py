@@ -68,7 +68,7 @@ def test_errors_are_one_line(volume, model):
         (lambda: vog.render(model, show="volume", renderer="reference"), "reference"),
         (lambda: vog.render(volume, show="volume", clip=[[1, 1, 1], [0, 2, 2]]), "clip box"),
         (lambda: vog.render(volume, show="volume", light="side"), 'light side'),
-        (lambda: vog.render(volume, show="volume", window=(1, 2), bands=BANDS), "window has no effect beside bands"),
+        (lambda: vog.render(volume, show="volume", window=(1, 2), bands=BANDS), "window has no effect beside `bands`"),
         (lambda: vog.render(volume, show="volume", bands=[(1, 0, (1, 1, 1), 1)]), "band"),
         (lambda: vog.render(vog.convert(volume, block=4, fields=False), show="volume"), "no field named, the model has none"),
         (lambda: vog.render(volume, show="volume", unit_distance=-1), "unit_distance"),

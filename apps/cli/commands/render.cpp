@@ -320,7 +320,6 @@ void require_effects_of(const RenderArguments& arguments, const GivenOptions& co
         facts["renderer"] = renderer                   ? info_of(*renderer).name
                             : kind == FileKind::volume ? "reference"
                                                        : "splat";
-        if (show != "T" && show != "column") facts["by value"] = facts["renderer"];
         require_effects(command, facts);
     }
 }

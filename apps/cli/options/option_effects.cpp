@@ -23,6 +23,7 @@ struct Row {
     std::string fact;       ///< of Facts, or an option, whose value counts
     std::string values;     ///< "volume maximum"; "*": given with any value; "-": not given
     std::string instead{};  ///< what serves the purpose otherwise
+    std::string shows{};    ///< quantities that the row is for; empty: all
 };
 
 constexpr const char* kModels = ".ply .vogz models/";
@@ -106,12 +107,6 @@ const std::vector<Row> kRows = {
     {"render", "--steps", "inputs", "several"},
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
-    {"", "--set.light-weights", "--light --shadows --ambient-occlusion", "*"},
-    {"", "--light-from --set.scattering", "--shadows --light=studio", "*"},
-    {"", "--tf --range --scale", "--window", "-"},
-    {"", "--tf --range --scale --window", "--band", "-"},
-    {"", "--tf --range --scale --window", "--iso", "-"},
-    {"render", "--scale=symmetric", "show", "mean deviation maximum"},
     {"render", "--depth-out", "show", "T column", "--values-out FILE.exr"},
     {"render", "--values-out", "show", "T column mean deviation maximum"},
     {"render", "--range --scale --set.least-column", "output", "picture film"},
@@ -119,9 +114,6 @@ const std::vector<Row> kRows = {
      "picture film"},
     // How it is drawn.
     {"render", "--interpolation=linear", "show", "T column mean deviation volume"},
-    {"render", "--set.step", "--interpolation", "linear"},
-    {"render", "--set.hits-per-slab --set.stop-transmittance", "--set.anyhit", "collect"},
-    {"render", "--set.aabb-sigma", "by value", "trace optix"},
     // Other commands.
     {"voxelize", "--voxel-size", "--like", "-"},
     {"voxelize", "--grid --within", "--like", "*"},
@@ -134,12 +126,39 @@ const std::vector<Row> kRows = {
     {"sample", "--half", "input", "cloud explosion fire head amr"},
 };
 
-/// The table, with the quantities and renderers of the members of requests.
+std::vector<std::string> words(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+bool contains(const std::vector<std::string>& all, const std::string& one) {
+    return std::ranges::find(all, one) != all.end();
+}
+
+/// The rows of a rule between members of requests. A list whose rows have two options has two rows.
+void add_rule(std::vector<Row>& rows, const RequestRule& rule) {
+    const auto options = [](const std::string& keys) {
+        std::vector<std::string> all;
+        for (const std::string& key : words(keys)) {
+            const std::size_t equals = std::min(key.find('='), key.size());
+            all.push_back(options_of(key.substr(0, equals)) + key.substr(equals));
+        }
+        return fmt::format("{}", fmt::join(all, " "));
+    };
+    const bool is_fact = rule.beside == "show" || rule.beside == "renderer";
+    const std::string given = is_fact ? rule.beside : options(rule.beside);
+    for (const std::string& fact :
+         rule.values == "-" ? words(given) : std::vector<std::string>{given})
+        rows.push_back(
+            {is_fact ? "render" : "", options(rule.members), fact, rule.values, "", rule.shows});
+}
+
+/// The table, with the rules, quantities and renderers of the members of requests.
 const std::vector<Row>& rows() {
     static const std::vector<Row> all = [] {
         std::vector<Row> joined = kRows;
+        for (const RequestRule& rule : request_rules()) add_rule(joined, rule);
         for (const RequestMember& member : request_schema()) {
-            const std::string options = options_of(member);
+            const std::string options = options_of(member.key);
             // Pages and windows have the colours of T beside those of what they show first.
             const bool of_render = member.shows == "T" || member.key == "units";
             if (!member.shows.empty())
@@ -150,14 +169,6 @@ const std::vector<Row>& rows() {
         return joined;
     }();
     return all;
-}
-
-std::vector<std::string> words(const std::string& text) {
-    std::istringstream in(text);
-    return {std::istream_iterator<std::string>(in), {}};
-}
-bool contains(const std::vector<std::string>& all, const std::string& one) {
-    return std::ranges::find(all, one) != all.end();
 }
 
 /// Value of a fact or an option; "-": not given and without a default. None: not known, or of other commands.
@@ -208,7 +219,7 @@ std::string listed(const std::vector<std::string>& all) {
 }
 
 /// Values of a fact as a user writes them: "--show volume or maximum", "-o FILE.html or FOLDER/", "models".
-std::string spelled(const std::string& fact, std::vector<std::string> values, const Facts& facts) {
+std::string spelled(const std::string& fact, std::vector<std::string> values) {
     static const std::map<std::string, std::string> prefixes = {
         {"show", "--show "},
         {"renderer", "--renderer "},
@@ -238,29 +249,28 @@ std::string spelled(const std::string& fact, std::vector<std::string> values, co
     if (fact.starts_with("--"))
         return fact + (setting("") == fact.substr(0, setting("").size()) ? "=" : " ") +
                listed(values);
-    if (fact == "by value")
-        return fmt::format("--show {} --renderer {}", facts.at("show"), listed(values));
     const auto prefix = prefixes.find(fact);
     return (prefix == prefixes.end() ? "" : prefix->second) + listed(values);
 }
 
 std::string refusal(const Row& row, const std::string& option, const std::string& actual,
-                    const Facts& facts) {
+                    const Facts& facts, const GivenOptions& command) {
     std::vector<std::string> values = words(row.values);
     const std::string fact = row.fact;
+    const std::string shown = row.shows.empty() ? "" : fmt::format("--show {} ", facts.at("show"));
     if (values == std::vector<std::string>{"-"})
         return fmt::format("{} and {} exclude each other", option, fact);
     if (contains(values, "*")) {
-        std::string needed = listed(words(fact));
-        std::ranges::replace(needed, '=', ' ');
-        return fmt::format("{} needs {}", option, needed);
+        std::vector<std::string> others = words(fact);
+        std::erase_if(others, [&](const std::string& one) { return !command.value(one); });
+        return fmt::format("{} needs {}", option, listed(others));
     }
     std::erase(values, "-");
-    if (actual == "-") return fmt::format("{} needs {}", option, spelled(fact, values, facts));
-    return fmt::format("{} has no effect with {}; {}", option, spelled(fact, {actual}, facts),
+    if (actual == "-") return fmt::format("{} needs {}", option, shown + spelled(fact, values));
+    return fmt::format("{} has no effect with {}; {}", option, shown + spelled(fact, {actual}),
                        !row.instead.empty()
                            ? fmt::format("use {}", row.instead)
-                           : fmt::format("it works with {}", spelled(fact, values, facts)));
+                           : fmt::format("it works with {}", shown + spelled(fact, values)));
 }
 
 }  // namespace
@@ -288,6 +298,7 @@ void require_effects(const GivenOptions& command, const Facts& facts) {
     for (const Row& row : rows()) {
         const std::vector<std::string> commands = words(row.commands);
         if (!commands.empty() && !contains(commands, command.command())) continue;
+        if (!row.shows.empty() && !contains(words(row.shows), all["show"])) continue;
         const std::vector<std::string> values = words(row.values);
         const auto actual = value_of(row.fact, command, all);
         if (!actual || contains(values, *actual) || (contains(values, "*") && *actual != "-"))
@@ -295,7 +306,7 @@ void require_effects(const GivenOptions& command, const Facts& facts) {
         // An option that excludes others does so where it is given, whatever its default.
         if (contains(values, "-") && row.fact.starts_with("--") && !command.has(row.fact)) continue;
         for (const std::string& option : given_options(row, command))
-            throw UsageError(refusal(row, option, *actual, all));
+            throw UsageError(refusal(row, option, *actual, all, command));
     }
 }
 

@@ -149,8 +149,8 @@ void add_member_options(CLI::App& command, RequestWords& words, const std::set<s
         if (keys.contains(member.key)) add_option(command, words, member);
 }
 
-std::string options_of(const RequestMember& member) {
-    return option_of(member.key) + (member.key == "bands" ? " --iso" : "");
+std::string options_of(const std::string& key) {
+    return option_of(key) + (key == "bands" ? " --iso" : "");
 }
 
 UsageError as_option(const RequestError& error) {

@@ -34,7 +34,7 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
 void add_member_options(CLI::App& command, RequestWords& words, const std::set<std::string>& keys);
 
 /// Options of a member: "--slabs"; of bands "--band --iso".
-std::string options_of(const RequestMember& member);
+std::string options_of(const std::string& key);
 /// An error as the command line names its options.
 UsageError as_option(const RequestError& error);
 

@@ -19,11 +19,15 @@ bool has(const std::string& words, const std::string& one) {
     return words.empty() || std::ranges::count(words_of(words), one) > 0;
 }
 /// "'splat', 'trace' or 'optix'"
-std::string listed(const std::string& words) {
+std::string listed(const std::string& words, const char* quote = "'") {
     const std::vector<std::string> all = words_of(words);
     std::string text;
     for (std::size_t n = 0; n < all.size(); ++n)
-        text += (n == 0 ? "'" : n + 1 < all.size() ? ", '" : " or '") + all[n] + "'";
+        text += fmt::format("{}{}{}{}",
+                            n == 0               ? ""
+                            : n + 1 < all.size() ? ", "
+                                                 : " or ",
+                            quote, all[n], quote);
     return text;
 }
 
@@ -33,43 +37,71 @@ bool is_stated(const requests::Entry& entry, const PictureRequest& request) {
     return entry.values.write(request) != entry.values.write(unset);
 }
 
+/// Why the members of a rule have no effect; empty: they have one.
+std::string reason_of(const RequestRule& rule, const PictureRequest& request,
+                      std::optional<Renderer> renderer) {
+    const auto stated = [&](const std::string& key) {
+        return is_stated(requests::entry_of(key), request);
+    };
+    const bool any = std::ranges::any_of(words_of(rule.beside), stated);
+    if (rule.values == "-")
+        return any ? fmt::format(" has no effect beside `{}`", rule.beside) : "";
+    if (rule.values == "*")
+        return any ? "" : fmt::format(" has no effect without {}", listed(rule.beside, "`"));
+    requests::Json value = requests::entry_of(rule.beside).values.write(request);
+    if (rule.beside == "renderer" && renderer) value = info_of(*renderer).name;
+    if (value.is_null() || has(rule.values, value)) return "";
+    return fmt::format(" needs {} {}{}", rule.beside, listed(rule.values),
+                       rule.shows.empty() ? "" : " on show " + listed(word_of(request.show)));
+}
+
+void require_rules(const PictureRequest& request, std::optional<Renderer> renderer) {
+    for (const RequestRule& rule : request_rules()) {
+        if (!has(rule.shows, word_of(request.show))) continue;
+        const std::string reason = reason_of(rule, request, renderer);
+        if (reason.empty()) continue;
+        for (const std::string& member : words_of(rule.members)) {
+            const std::size_t equals = std::min(member.find('='), member.size());
+            const std::string value = member.substr(std::min(equals + 1, member.size()));
+            const requests::Entry& entry = requests::entry_of(member.substr(0, equals));
+            if (is_stated(entry, request) &&
+                (value.empty() || entry.values.write(request) == value))
+                throw RequestError(entry.schema.key,
+                                   value.empty() ? reason : " " + listed(value) + reason);
+        }
+    }
+}
+
 }  // namespace
+
+std::span<const RequestRule> request_rules() {
+    static const std::vector<RequestRule> all = {
+        {"scale=symmetric", "show", "mean deviation maximum"},
+        {"light_weights", "light shadows ambient_occlusion", "*"},
+        {"light_from scattering", "shadows", "*"},
+        {"tf range scale", "window", "-"},
+        {"tf range scale window", "bands", "-"},
+        {"step", "interpolation", "linear"},
+        {"hits_per_slab stop_transmittance", "anyhit", "collect"},
+        {"pixel_error", "aabb_sigma", "-"},
+        {"aabb_sigma", "renderer", "trace optix", "volume maximum"},
+    };
+    return all;
+}
 
 void require_effects(const PictureRequest& request) {
     const std::string show = word_of(request.show);
-    const auto refuse_beside = [&](const char* key, const std::string& other) {
-        if (is_stated(requests::entry_of(key), request))
-            throw RequestError(key, " has no effect " + other);
-    };
     for (const requests::Entry& entry : requests::entries())
         if (!has(entry.schema.shows, show) && is_stated(entry, request))
             throw RequestError(entry.schema.key,
                                fmt::format(" has no effect on show '{}', expected {}", show,
                                            fmt::join(words_of(entry.schema.shows), ", ")));
-    if (request.fit == ScaleFit::symmetric &&
-        (is_depth(request.show) || request.show == Show::volume))
-        refuse_beside("scale", fmt::format("as 'symmetric' on show '{}'", show));
-    const TransferRequest& transfer = request.transfer;
-    if (transfer.window && !transfer.bands.empty()) refuse_beside("window", "beside bands");
-    if (transfer.window || !transfer.bands.empty())
-        for (const char* key : {"tf", "range", "scale"})
-            refuse_beside(key, "beside window and bands, which state colours and values");
-    if (is_by_value(request.show) && request.renderer && *request.renderer != Renderer::trace &&
-        *request.renderer != Renderer::optix)
-        refuse_beside("aabb_sigma", fmt::format("on show '{}' with renderer '{}'", show,
-                                                info_of(*request.renderer).name));
-    const VolumeLook& look = request.look;
-    if (!look.is_lit())
-        refuse_beside("light_weights", "without `light`, `shadows` or `ambient_occlusion`");
-    if (!look.shadows && !look.studio)
-        for (const char* key : {"light_from", "scattering"})
-            refuse_beside(key, "without `shadows`");
+    require_rules(request, {});
     if (request.renderer) require_renderer_effects(request, *request.renderer, {});
 }
 
 void require_renderer_effects(const PictureRequest& request, Renderer renderer,
                               std::optional<RenderInput> input) {
-    const RenderOptions& options = request.options;
     for (const requests::Entry& entry : requests::entries()) {
         const std::string &key = entry.schema.key, &names = entry.schema.renderers;
         if (!has(names, info_of(renderer).name) && is_stated(entry, request))
@@ -80,14 +112,7 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
             !has(names, info_of(Renderer::reference).name) && is_stated(entry, request))
             throw RequestError(key, " is for Gaussians, not for voxels");
     }
-    if (options.voxels.step_voxels != VoxelGridOptions{}.step_voxels &&
-        options.voxels.interpolation != Interpolation::linear)
-        throw RequestError("step", " needs interpolation 'linear'");
-    if (options.trace.hits_per_slab != TraceOptions{}.hits_per_slab &&
-        options.trace.anyhit != AnyHit::collect)
-        throw RequestError("hits_per_slab", " needs anyhit 'collect'");
-    if (options.pixel_error && options.aabb_sigma > 0)
-        throw RequestError("pixel_error", " has no effect beside `aabb_sigma`");
+    require_rules(request, renderer);
 }
 
 }  // namespace vog

@@ -72,12 +72,6 @@ Json words_value(const std::string& text) {
 }  // namespace
 }  // namespace requests
 
-std::vector<std::string> request_keys() {
-    std::vector<std::string> keys;
-    for (const requests::Entry& entry : requests::entries()) keys.push_back(entry.schema.key);
-    return keys;
-}
-
 std::string request_json(const PictureRequest& request) {
     static const PictureRequest unset;
     requests::Json json = requests::Json::object();
