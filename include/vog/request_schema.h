@@ -29,7 +29,7 @@ std::span<const RequestMember> request_schema();
 /// A member that has an effect only beside some values of another one.
 struct RequestRule {
     std::string members;  ///< keys, "tf range"; "scale=symmetric": this value alone
-    std::string beside;   ///< key of the other one; "light shadows": one of these
+    std::string beside;   ///< key of the other one; "shadows light=studio": one of these
     std::string values;   ///< "mean deviation"; "*": not its default; "-": its default
     std::string shows{};  ///< quantities that the rule is for, "volume"; empty: all
 };

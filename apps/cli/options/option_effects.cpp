@@ -262,7 +262,10 @@ std::string refusal(const Row& row, const std::string& option, const std::string
         return fmt::format("{} and {} exclude each other", option, fact);
     if (contains(values, "*")) {
         std::vector<std::string> others = words(fact);
-        std::erase_if(others, [&](const std::string& one) { return !command.value(one); });
+        std::erase_if(others, [&](const std::string& one) {
+            return !command.value(one.substr(0, one.find('=')));
+        });
+        for (std::string& one : others) std::ranges::replace(one, '=', ' ');
         return fmt::format("{} needs {}", option, listed(others));
     }
     std::erase(values, "-");

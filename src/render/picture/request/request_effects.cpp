@@ -37,12 +37,18 @@ bool is_stated(const requests::Entry& entry, const PictureRequest& request) {
     return entry.values.write(request) != entry.values.write(unset);
 }
 
+/// Whether "key" is not at its default, or "key=word" has this value.
+bool holds(const std::string& member, const PictureRequest& request) {
+    const std::size_t equals = member.find('=');
+    const requests::Entry& entry = requests::entry_of(member.substr(0, equals));
+    return equals == member.npos ? is_stated(entry, request)
+                                 : entry.values.write(request) == member.substr(equals + 1);
+}
+
 /// Why the members of a rule have no effect; empty: they have one.
 std::string reason_of(const RequestRule& rule, const PictureRequest& request,
                       std::optional<Renderer> renderer) {
-    const auto stated = [&](const std::string& key) {
-        return is_stated(requests::entry_of(key), request);
-    };
+    const auto stated = [&](const std::string& member) { return holds(member, request); };
     const bool any = std::ranges::any_of(words_of(rule.beside), stated);
     if (rule.values == "-")
         return any ? fmt::format(" has no effect beside `{}`", rule.beside) : "";
@@ -61,13 +67,11 @@ void require_rules(const PictureRequest& request, std::optional<Renderer> render
         const std::string reason = reason_of(rule, request, renderer);
         if (reason.empty()) continue;
         for (const std::string& member : words_of(rule.members)) {
-            const std::size_t equals = std::min(member.find('='), member.size());
-            const std::string value = member.substr(std::min(equals + 1, member.size()));
-            const requests::Entry& entry = requests::entry_of(member.substr(0, equals));
-            if (is_stated(entry, request) &&
-                (value.empty() || entry.values.write(request) == value))
-                throw RequestError(entry.schema.key,
-                                   value.empty() ? reason : " " + listed(value) + reason);
+            const std::size_t equals = member.find('=');
+            const std::string value =
+                equals == member.npos ? "" : fmt::format(" '{}'", member.substr(equals + 1));
+            if (holds(member, request))
+                throw RequestError(member.substr(0, equals), value + reason);
         }
     }
 }
@@ -78,13 +82,13 @@ std::span<const RequestRule> request_rules() {
     static const std::vector<RequestRule> all = {
         {"scale=symmetric", "show", "mean deviation maximum"},
         {"light_weights", "light shadows ambient_occlusion", "*"},
-        {"light_from scattering", "shadows", "*"},
+        {"light_from scattering", "shadows light=studio", "*"},
         {"tf range scale", "window", "-"},
         {"tf range scale window", "bands", "-"},
         {"step", "interpolation", "linear"},
         {"hits_per_slab stop_transmittance", "anyhit", "collect"},
         {"pixel_error", "aabb_sigma", "-"},
-        {"aabb_sigma", "renderer", "trace optix", "volume maximum"},
+        {"aabb_sigma", "renderer", "trace optix", "mean deviation volume maximum"},
     };
     return all;
 }
