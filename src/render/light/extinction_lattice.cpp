@@ -193,7 +193,9 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
             });
     });
     if (processes) processes->sum(sums);
-    const device::MeanLight by_moments = light.mean_light();
+    device::MeanLight by_moments = light.mean_light();
+    by_moments.parts_per_cell =
+        static_cast<float>(lattice.edge * lattice.cells / (device::kDepthCells * unit));
     vog::parallel_for(std::size_t{0}, lattice.sum.size(), [&](std::size_t n) {
         const double* of = &sums[4 * n];
         const MomentSums cell{of[0], of[1], of[2], of[3]};

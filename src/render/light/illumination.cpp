@@ -121,10 +121,10 @@ std::vector<float> depths_towards(const ExtinctionLattice& extinction, Vec3d tow
 
 namespace {
 
-/// Share of opaque matter in a cell or one beside it: 0 of an optical depth far below 4, 1 far above, over a model's cell. None where
+/// Share of opaque matter in a cell or one beside it: 0 of an optical depth far below 1/2, 1 far above, over a model's cell. None where
 /// no cell has a hundredth.
 std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
-    constexpr double kHalf = 4;
+    constexpr double kHalf = 0.5;
     std::vector<double> most = extinction.sum, before;
     // The largest of three along each axis in turn.
     std::size_t stride = 1;

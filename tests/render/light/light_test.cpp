@@ -182,6 +182,28 @@ TEST(light, models_and_voxels_absorb_the_same_on_the_way) {
     }
 }
 
+TEST(light, opaque_matter_beside_clear_matter_lets_half_of_it_pass) {
+    Gaussians model;
+    model.box = {{-8, -8, -8}, {8, 8, 8}};
+    ScalarField field;
+    field.upper = 1;
+    for (const float value : {0.0f, 1.0f}) {
+        model.mean.push_back({0, 0, 0}), model.scale.push_back({2, 2, 2});
+        model.density.push_back(1);
+        field.value.push_back(value), field.gradient.push_back({0, 0, 0});
+        field.deviation.push_back(0), field.skewness.push_back(0);
+    }
+    const ValueTransfer step{
+        "step", {{0, 1, 1, 1}, {1, 1, 1, 1}}, {{0, 0}, {0.5, 0}, {0.5, 0.999}, {1, 0.999}}, 1e-3};
+    const by_value::LightOfMoments light(step, by_value::value_range(field), false);
+    ExtinctionLattice lattice(view_box(model), 64);
+    add_extinction(model, field, light, 1, nullptr, lattice);
+    const Vec3i middle{lattice.size.x / 2, lattice.size.y / 2, lattice.size.z / 2};
+    const double depth = lattice.sum[lattice.at(middle.x, middle.y, middle.z)] * lattice.edge *
+                         lattice.cells / device::kDepthCells;
+    EXPECT_NEAR(depth, std::log(2), 0.01);
+}
+
 TEST(light, every_renderer_of_models_has_the_same_light) {
     const Gaussians model = colored_model();
     const ScalarField& field = model.fields.scalar.front();

@@ -11,11 +11,15 @@ const cells = 64;                           // along the longest edge of the mod
 const mostReach = 3, cellVariance = 1 / 12;  // deviations; cells squared, of a cell
 const directions = 24;                      // of ambient light
 const pairShare = 0.95, mostSkewness = 3;        // NormalPair of render/device/expected_light.h
-const halfOpaque = 4;                       // optical depth of a cell
+const halfOpaque = 0.5;                     // optical depth of a cell
+const depthCell = cells / 32, thinCell = 0.02;   // of render/device: kDepthCells, in cells; kThinCell
 export const towardsLightCells = 2;         // kTowardsLight of render/device/light/light_lattice.h
 
-/** Mean extinction of values with these moments for the measure 1. */
-function meanExtinction(mean, variance, third, extinction) {
+/**
+ * Mean extinction of values with these moments for the measure 1, of which no more than that of both of a pair side by side is seen.
+ * cell  measure along a line through a cell of such matter
+ */
+function meanExtinction(mean, variance, third, cell, extinction) {
   const deviation = Math.sqrt(variance);
   if (!(variance > 4e-5)) return extinction(Math.max(-1, Math.min(1, mean)), deviation);
   const u = Math.max(-mostSkewness, Math.min(mostSkewness, third / (variance * deviation))) / pairShare ** 3, root = Math.hypot(u, 2);
@@ -23,7 +27,9 @@ function meanExtinction(mean, variance, third, extinction) {
     const value = Math.max(-1, Math.min(1, mean + 0.5 * pairShare * deviation * (u + sign * root)));
     return extinction(value, Math.min(Math.sqrt(1 - pairShare ** 2) * deviation, 1 - Math.abs(value)));
   };
-  return 0.5 * ((1 - u / root) * of(1) + (1 + u / root) * of(-1));
+  const high = of(1), low = of(-1), share = 0.5 * (1 - u / root), whole = low + share * (high - low);
+  const passed = share * Math.exp(-cell * high) + (1 - share) * Math.exp(-cell * low);
+  return cell * whole > thinCell ? -Math.log(Math.max(passed, 1e-30)) / cell : whole;
 }
 
 /**
@@ -84,7 +90,7 @@ export function extinctionLattice({ box, center, unit, cutoff, limits, extinctio
     const tau = moments[m];
     if (!(tau > 0)) continue;
     const mean = moments[m + 1] / tau, square = moments[m + 2] / tau;
-    sum[n] = tau * meanExtinction(mean, Math.max(square - mean * mean, 0), moments[m + 3] / tau - mean * (3 * square - 2 * mean * mean), extinction);
+    sum[n] = tau * meanExtinction(mean, Math.max(square - mean * mean, 0), moments[m + 3] / tau - mean * (3 * square - 2 * mean * mean), tau * depthCell * edge, extinction);
   }
   return { sum, size, first, edge };
 }
