@@ -117,7 +117,8 @@ def parameter_types(signature):
 
 def definitions(root):
     """All types, functions and variables at namespace scope, read by Universal Ctags. Left out: main (one a
-    program), names of anonymous namespaces (one a file), specialisations (one meaning by design)."""
+    program), names of anonymous namespaces (one a file), specialisations (one meaning by design) and explicit
+    instantiations, which look like variables."""
     command = ["ctags", "--language-force=C++", "--kinds-C++=cfgstuv", "--fields=+nKsSZ",
                "--fields-C++=+{template}{specialization}", "--sort=no", "-f", "-", "-L", "-"]
     paths = "\n".join(map(str, files(root, ["include", "src", "apps", "python"], CPP)))
@@ -132,7 +133,8 @@ def definitions(root):
         fields = dict(pair.split(":", 1) for pair in pairs)
         scope_kind, _, scope = fields.get("scope", "namespace:").partition(":")
         if (scope_kind != "namespace" or "__anon" in scope + name or "specialization" in fields
-                or fields.get("template") == "<>" or (name == "main" and not scope)):
+                or fields.get("template") == "<>" or (name == "main" and not scope)
+                or (kind == "variable" and rest.startswith("/^template class "))):
             continue
         parameters = parameter_types(fields.get("signature", "()")) if kind == "function" else None
         yield Definition(name, file, int(fields["line"]), kind, scope, parameters)

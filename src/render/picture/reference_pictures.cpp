@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 
 #include "render/picture/source_renderer.h"
 #include "render/reference/reference.h"
@@ -18,16 +19,19 @@ class ReferencePictures : public SourceRenderer {
                       const Collective* processes)
         : sources_(std::move(sources)), voxels_(options.voxels), processes_(processes) {}
 
-    /// Grids for T.
+    /// Grids for T. Levels of constant voxels none of which is hidden in part are grids that add up.
     void prepare(const ResolvedPicture& picture) override {
         if (!is_depth(picture.request.show) || !grids_.empty() || !levels_.empty()) return;
         for (const VoxelSource& source : sources_) {
-            if (source.volumes->is_mesh()) {
-                if (!source.volumes->volumes.empty())
-                    levels_.push_back(level_grids(*source.volumes, voxels_));
+            const VolumeSet& levels = *source.volumes;
+            std::optional<Composite> mesh;
+            if (levels.is_mesh() && voxels_.interpolation == Interpolation::constant)
+                mesh = composite(levels);
+            if (levels.is_mesh() && !(mesh && mesh->partly_hidden == 0)) {
+                if (!levels.volumes.empty()) levels_.push_back(level_grids(levels, voxels_));
                 continue;
             }
-            for (const Volume& volume : source.volumes->volumes)
+            for (const Volume& volume : mesh ? mesh->parts : levels.volumes)
                 grids_.push_back(voxel_grid(volume, voxels_));
         }
     }
@@ -60,11 +64,7 @@ class ReferencePictures : public SourceRenderer {
             return render_reference(grids, picture.camera(), request.width, request.height,
                                     options);
         };
-        if (!grids_.empty()) {
-            image = draw(grids_);
-            return;
-        }
-        image = DepthImage(request.width, request.height);
+        image = grids_.empty() ? DepthImage(request.width, request.height) : draw(grids_);
         for (const LevelGrids& levels : levels_) {
             const DepthImage one = draw(levels);
             std::ranges::transform(image.depth, one.depth, image.depth.begin(), std::plus());

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "render/pixel_tiles.h"
+#include "render/reference/fields/box_view.h"
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/reference_grid.h"
 #include "render/reference/reference_levels.h"
@@ -148,6 +149,24 @@ double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction) {
 
 DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera, int width,
                             int height, const ReferenceOptions& options) {
+    std::vector<DepthGrid> constant;
+    for (const VoxelGrid& grid : grids)
+        if (grid.data().options.interpolation == Interpolation::constant)
+            constant.emplace_back(grid.data());
+    const CameraFrame frame = frame_of(camera, width, height);
+    if (constant.size() == grids.size())
+        if (const DividedGrids<DepthGrid> parts(constant, frame, options); !parts.boxes.empty()) {
+            const auto add_ray = [](const DepthGrid& grid, Vec3d origin, Vec3d direction,
+                                    FirstRelative& pixel) {
+                pixel.sums.column += depth_along(grid.data(), origin, direction);
+            };
+            DepthImage image(width, height);
+            parts.for_each_pixel(frame, 0, height, options.progress, add_ray,
+                                 [&](int column, int row, const FirstRelative& pixel) {
+                                     image.at(column, row) = static_cast<float>(pixel.sums.column);
+                                 });
+            return image;
+        }
     const auto depth = [&](Vec3d origin, Vec3d direction, Segment within) {
         double sum = 0;
         for (const VoxelGrid& grid : grids)

@@ -24,7 +24,8 @@ int ceiling(double x) {
 
 }  // namespace
 
-BoxView::BoxView(const FieldGrid& grid, const CameraFrame& frame)
+template <class Grid>
+BoxView<Grid>::BoxView(const Grid& grid, const CameraFrame& frame)
     : grid_(grid), frame_(frame), direction_(frame.direction(0, 0)) {
     const VoxelGrid::Data& data = grid.data();
     const GridRay ray = data.voxel_ray(frame.origin(0, 0), direction_);
@@ -46,7 +47,8 @@ BoxView::BoxView(const FieldGrid& grid, const CameraFrame& frame)
     slack_ = 0.01 + 0x1p-44 * reach;
 }
 
-bool BoxView::faster_than_rays() const {
+template <class Grid>
+bool BoxView<Grid>::faster_than_rays() const {
     // Boxes and rays are equally fast near 1.5 pixels a voxel (docs/performance.md, "Maps beside yt's projections").
     constexpr double kLeastPixels = 2;
     // The kernel adds a voxel to its rectangle of pixels, at a tenth of the walk's cost for each.
@@ -62,7 +64,8 @@ bool BoxView::faster_than_rays() const {
     return covered >= kLeastPixels && width * height < kMostWaste * covered;
 }
 
-BoxView::Range BoxView::extent(Vec3d size) const {
+template <class Grid>
+typename BoxView<Grid>::Range BoxView<Grid>::extent(Vec3d size) const {
     Range range{-slack_, slack_, -slack_, slack_};
     for (int axis = 0; axis < 3; ++axis) {
         const double dx = size[axis] * step_x_[axis], dy = size[axis] * step_y_[axis];
@@ -72,7 +75,8 @@ BoxView::Range BoxView::extent(Vec3d size) const {
     return range;
 }
 
-void BoxView::set_shifts(BoxTile& tile, int column, int row) const {
+template <class Grid>
+void BoxView<Grid>::set_shifts(BoxTile& tile, int column, int row) const {
     for (int y = 0; y < BoxTile::kHeight; ++y)
         for (int x = 0; x < BoxTile::kWidth; ++x) {
             // The origin as the walk has it: both agree on rays in a face.
@@ -83,7 +87,8 @@ void BoxView::set_shifts(BoxTile& tile, int column, int row) const {
 }
 
 /// Visitor of the nodes on one tile of pixels: collects their voxels for the kernel.
-class BoxView::TileSearch {
+template <class Grid>
+class BoxView<Grid>::TileSearch {
   public:
     TileSearch(const BoxView& view, BoxTile& tile, int column, int row)
         : view_(view),
@@ -98,7 +103,7 @@ class BoxView::TileSearch {
           voxel_(view.extent({1, 1, 1})) {}
 
     bool near(Vec3d lower, Vec3d size) const { return on_tile(at(lower), view_.extent(size)); }
-    void leaf(const FieldGrid::LeafCells& cells, Vec3d lower) {
+    void leaf(const typename Grid::LeafCells& cells, Vec3d lower) {
         for (int x = 0; x < kLeafEdge; ++x) {
             if (!on_tile(at(lower + Vec3d{double(x), 0, 0}), slab_)) continue;
             for (int y = 0; y < kLeafEdge; ++y) {
@@ -173,11 +178,15 @@ class BoxView::TileSearch {
     bool shifted_ = false;  ///< whether the tile has the grid's shifts
 };
 
-void BoxView::add_to(BoxTile& tile, int column, int row) const {
+template <class Grid>
+void BoxView<Grid>::add_to(BoxTile& tile, int column, int row) const {
     TileSearch on_tile(*this, tile, column, row);
     const auto near = [&](Vec3d lower, Vec3d size) { return on_tile.near(lower, size); };
     grid_.search_boxes(direction_, near, on_tile);
     on_tile.flush();
 }
+
+template class BoxView<FieldGrid>;
+template class BoxView<DepthGrid>;
 
 }  // namespace vog::reference

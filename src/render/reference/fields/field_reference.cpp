@@ -103,8 +103,8 @@ FieldMaps maps_of(const Camera& camera, int width, int height, const ReferenceOp
 }
 
 /// Adds the voxels of a grid on a ray.
-void add_ray(const FieldGrid& grid, Vec3d origin, Vec3d direction, Segment seen,
-             FirstRelative& to) {
+void add_part(const FieldGrid& grid, Vec3d origin, Vec3d direction, Segment seen,
+              FirstRelative& to) {
     const double stretch = length(direction);
     grid.walk(origin, direction, seen, [&](const FieldCell& cell) {
         to.add(cell.density * (cell.segment.last - cell.segment.first) * stretch, cell.value);
@@ -112,56 +112,10 @@ void add_ray(const FieldGrid& grid, Vec3d origin, Vec3d direction, Segment seen,
     });
 }
 
-/// Grids of a picture by the way that their voxels are added.
-struct DividedGrids {
-    std::vector<BoxView> boxes;
-    std::vector<const FieldGrid*> rays;
-};
-DividedGrids divided(const std::vector<FieldGrid>& grids, const CameraFrame& frame,
-                     const ReferenceOptions& options) {
-    DividedGrids all;
-    for (const FieldGrid& grid : grids) {
-        if (frame.orthographic && options.samples == 1 && options.clip.empty()) {
-            const BoxView view(grid, frame);
-            if (view.faster_than_rays()) {
-                all.boxes.push_back(view);
-                continue;
-            }
-        }
-        all.rays.push_back(&grid);
-    }
-    return all;
+void add_ray(const FieldGrid& grid, Vec3d origin, Vec3d direction, FirstRelative& to) {
+    add_part(grid, origin, direction, {}, to);
 }
-
-/// Sums over one ray a pixel of some rows, with boxes in some grids.
-/// take  called with the column and row of each pixel and its sums, in parallel
-template <class Take>
-void for_each_pixel_with_boxes(const DividedGrids& grids, const CameraFrame& frame, int first_row,
-                               int rows, const Progress& progress, const Take& take) {
-    const auto draw = [&](int left, int below) {
-        const int top = first_row + below;
-        const auto tile = std::make_unique<BoxTile>();
-        for (const BoxView& boxes : grids.boxes) boxes.add_to(*tile, left, top);
-        const int width = std::min(BoxTile::kWidth, frame.width - left);
-        const int height = std::min(BoxTile::kHeight, first_row + rows - top);
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
-                check_interrupt();
-                const double column = tile->column[y][x];
-                FirstRelative pixel{{{column, tile->first[y][x], tile->second[y][x]},
-                                     tile->reference[y][x],
-                                     column > 0}};
-                for (const FieldGrid* grid : grids.rays)
-                    add_ray(*grid, frame.origin(left + x, top + y),
-                            frame.direction(left + x, top + y), {}, pixel);
-                take(left + x, top + y, pixel);
-            }
-        return true;
-    };
-    for_each_tile({frame.width, rows, BoxTile::kWidth, BoxTile::kHeight}, progress, draw,
-                  [](bool) {});
-}
-FieldMaps maps_with_boxes(const DividedGrids& grids, const CameraFrame& frame,
+FieldMaps maps_with_boxes(const DividedGrids<FieldGrid>& grids, const CameraFrame& frame,
                           const ReferenceOptions& options) {
     const auto place = [&](int column, int row) {
         return static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) +
@@ -170,17 +124,17 @@ FieldMaps maps_with_boxes(const DividedGrids& grids, const CameraFrame& frame,
     if (const Collective* processes = processes_of(options))
         return joint_maps(
             frame, options, *processes, [&](int top, int rows, std::span<FirstRelative> pixels) {
-                for_each_pixel_with_boxes(grids, frame, top, rows, {},
-                                          [&](int column, int row, const FirstRelative& pixel) {
-                                              pixels[place(column, row - top)] = pixel;
-                                          });
+                grids.for_each_pixel(frame, top, rows, {}, add_ray,
+                                     [&](int column, int row, const FirstRelative& pixel) {
+                                         pixels[place(column, row - top)] = pixel;
+                                     });
             });
     FieldMaps maps = empty_maps(frame.width, frame.height);
-    for_each_pixel_with_boxes(grids, frame, 0, frame.height, options.progress,
-                              [&](int column, int row, const FirstRelative& pixel) {
-                                  set_pixel(maps, place(column, row), pixel.sums, pixel.sums.column,
-                                            pixel.reference, 1);
-                              });
+    grids.for_each_pixel(frame, 0, frame.height, options.progress, add_ray,
+                         [&](int column, int row, const FirstRelative& pixel) {
+                             set_pixel(maps, place(column, row), pixel.sums, pixel.sums.column,
+                                       pixel.reference, 1);
+                         });
     return maps;
 }
 
@@ -204,13 +158,13 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
         validate(options.clip);
         const std::vector<FieldGrid> grids = field_grids(volumes, fields, shown);
         const CameraFrame frame = frame_of(camera, width, height);
-        const DividedGrids parts = divided(grids, frame, options);
+        const DividedGrids<FieldGrid> parts(grids, frame, options);
         if (!parts.boxes.empty()) return maps_with_boxes(parts, frame, of(progress));
         return maps_of(camera, width, height, of(progress),
                        [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
                            const Segment seen = visible_segment(options.clip, origin, direction);
                            for (const FieldGrid& grid : grids)
-                               add_ray(grid, origin, direction, seen, to);
+                               add_part(grid, origin, direction, seen, to);
                        });
     };
     const auto linear = [&](FieldPart shown, const Progress& progress) {
