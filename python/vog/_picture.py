@@ -25,6 +25,35 @@ class Scale(NamedTuple):
     kind: str
 
 
+class Light(NamedTuple):
+    """Light of volume pictures, for the keyword light of render(): one value in place of the keywords of its parts.
+
+    towards            direction of the world towards the light, 3 numbers; None: the upper left of the view, or the eye with surfaces
+    shadows            matter absorbs light on its way
+    ambient_occlusion  matter absorbs ambient light
+    scattering         octaves of multiple scattering, 1 to 16, which brighten shadows
+    surfaces           surfaces are shaded by gradients, too
+    weights            ambient, diffuse, specular and power; None: the default
+
+    >>> sun = vog.Light((1, 2, 1), ambient_occlusion=True, scattering=3)
+    >>> vog.render(vog.sample_cloud(64), size=64, show="volume", light=sun).request["light_from"]
+    [1.0, 2.0, 1.0]
+    """
+
+    towards: "Optional[Sequence[float]]" = None
+    shadows: bool = True
+    ambient_occlusion: bool = False
+    scattering: int = 1
+    surfaces: bool = False
+    weights: "Optional[Sequence[float]]" = None
+
+    def _members(self) -> "Dict[str, Any]":
+        parts: "Dict[str, Any]" = {"shadows": self.shadows or None, "ambient_occlusion": self.ambient_occlusion or None, "light_weights": self.weights}
+        parts["scattering"] = None if self.scattering == 1 else self.scattering
+        towards = "head" if self.surfaces and self.towards is None else self.towards
+        return {**parts, "light" if self.surfaces else "light_from": towards}
+
+
 def _plain(value: Any, key: str, nested: bool = False) -> Any:
     """A value of a request as JSON has it."""
     if key == "tf" and not nested and not (isinstance(value, dict) or value is None):
@@ -54,6 +83,13 @@ def _plain(value: Any, key: str, nested: bool = False) -> Any:
 
 def _json(call: str, request: "Dict[str, Any]", known: "Sequence[str]" = (*_MEMBERS, "camera")) -> str:
     _messages.refuse_unknown(call, request, known)
+    light = request.get("light")
+    if isinstance(light, Light):
+        parts = light._members()
+        twice = [key for key in parts if key != "light" and request.get(key) is not None]
+        if twice:
+            raise _vog.Error(f"{call}: {twice[0]} beside a vog.Light, which has it")
+        request = {**request, "light": None, **parts}
     try:
         return json.dumps({key: _plain(value, key) for key, value in request.items() if value is not None})
     except (_vog.Error, TypeError) as error:

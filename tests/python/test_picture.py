@@ -202,6 +202,32 @@ def test_recolor_refuses_what_is_to_be_drawn(gas):
 # --- Numbers, marks and units. ---
 
 
+@pytest.mark.parametrize(
+    "light, members",
+    [
+        (vog.Light((1, 2, 3)), {"shadows": True, "light_from": (1, 2, 3)}),
+        (vog.Light(scattering=4, ambient_occlusion=True), {"shadows": True, "scattering": 4, "ambient_occlusion": True}),
+        (vog.Light((1, 2, 3), surfaces=True, weights=(0.1, 0.8, 0.2, 9)), {"light": (1, 2, 3), "shadows": True, "light_weights": (0.1, 0.8, 0.2, 9)}),
+        (vog.Light(surfaces=True, shadows=False), {"light": "head"}),
+    ],
+)
+def test_a_light_is_the_members_of_its_parts(gas, light, members):
+    drawn = functools.partial(vog.render, gas, size=32, show="volume", field="density")
+    assert same(drawn(light=light), drawn(**members))
+    with pytest.raises(vog.Error, match="scattering beside a vog.Light, which has it"):
+        drawn(light=light, scattering=2)
+
+
+def test_bad_lights_are_refused(gas):
+    for light, message in [
+        (vog.Light((0, 0, 0)), "light_from"),
+        (vog.Light((1, 2, 3), scattering=99), "scattering"),
+        (vog.Light((1, 2, 3), shadows=False), "light_from"),
+    ]:
+        with pytest.raises(vog.Error, match=message):
+            vog.render(gas, size=16, show="volume", field="density", light=light)
+
+
 def test_numbers_are_those_of_the_closed_form():
     # One Gaussian of unit standard deviation: along the axis the column is its peak times sqrt(2 pi).
     one = vog.Gaussians([[0, 0, 0]], [[1, 1, 1]], [0.7], cutoff=8, fields={"heat": {"value": [5.0], "unit": "K"}})
