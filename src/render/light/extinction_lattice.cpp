@@ -163,8 +163,10 @@ void ExtinctionLattice::clip(const Clipping& clip) {
             const RayInterval stays =
                 clipped_ray(clip, first + edge * Vec3d{0, double(y), double(z)}, {edge, 0, 0});
             for (int x = 0; x < size.x; ++x)
-                if (!(stays.first < stays.last) || x < stays.first || x > stays.last)
+                if (!(stays.first < stays.last) || x < stays.first || x > stays.last) {
                     sum[at(x, y, z)] = 0;
+                    if (!whole.empty()) whole[at(x, y, z)] = 0;
+                }
         }
 }
 
@@ -193,16 +195,22 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
             });
     });
     if (processes) processes->sum(sums);
-    device::MeanLight by_moments = light.mean_light();
-    by_moments.parts_per_cell =
+    const device::MeanLight mixed = light.mean_light();
+    device::MeanLight beside = mixed;
+    beside.parts_per_cell =
         static_cast<float>(lattice.edge * lattice.cells / (device::kDepthCells * unit));
+    lattice.whole.resize(lattice.sum.size());
     vog::parallel_for(std::size_t{0}, lattice.sum.size(), [&](std::size_t n) {
         const double* of = &sums[4 * n];
         const MomentSums cell{of[0], of[1], of[2], of[3]};
         if (!(cell.tau > 0)) return;
-        float mean[4];
-        device::mean_light_of(by_moments, cell.moments(), 1, mean);
-        lattice.sum[n] += cell.tau * double{mean[3]} / unit;
+        const auto extinction = [&](const device::MeanLight& by) {
+            float mean[4];
+            device::mean_light_of(by, cell.moments(), 1, mean);
+            return cell.tau * double{mean[3]} / unit;
+        };
+        lattice.sum[n] += extinction(beside);
+        lattice.whole[n] += extinction(mixed);
     });
 }
 

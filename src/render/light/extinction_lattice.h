@@ -23,6 +23,8 @@ struct ExtinctionLattice {
     int cells = 1;            ///< along the longest edge of the box
     Vec3i size{};             ///< cells along each axis, at least 2
     std::vector<double> sum;  ///< [size.z][size.y][size.x] extinction, 1 / world unit
+    /// [cells] the same without what clear matter beside opaque matter lets pass; empty: that is `sum`
+    std::vector<double> whole{};
 
     /// Lattice around a box, with a cell of empty space on each side.
     /// most_cells  along the longest edge of the box

@@ -121,11 +121,12 @@ std::vector<float> depths_towards(const ExtinctionLattice& extinction, Vec3d tow
 
 namespace {
 
-/// Share of opaque matter in a cell or one beside it: 0 of an optical depth far below 1/2, 1 far above, over a model's cell. None where
-/// no cell has a hundredth.
+/// Share of opaque matter in a cell or one beside it, steep: 0 of an optical depth below 1 over a model's cell, 1 above 16. In matter that
+/// is less dense, light that is read elsewhere is too bright (docs/volume_rendering.md, "Beside a path tracer"). None where no cell
+/// has a hundredth.
 std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
-    constexpr double kHalf = 0.5;
-    std::vector<double> most = extinction.sum, before;
+    constexpr double kHalf = 4;
+    std::vector<double> most = extinction.whole.empty() ? extinction.sum : extinction.whole, before;
     // The largest of three along each axis in turn.
     std::size_t stride = 1;
     for (int axis = 0; axis < 3; ++axis) {
@@ -141,8 +142,7 @@ std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
     std::vector<float> opaque(most.size());
     for (std::size_t n = 0; n < most.size(); ++n) {
         const double depth = most[n] * extinction.edge * extinction.cells / kModelCells;
-        const double square = depth * depth;
-        opaque[n] = static_cast<float>(square / (kHalf * kHalf + square));
+        opaque[n] = static_cast<float>(1 / (1 + std::pow(kHalf / std::max(depth, 1e-30), 4)));
     }
     if (std::ranges::max(opaque) < 0.01f) opaque.clear();
     return opaque;

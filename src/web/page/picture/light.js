@@ -11,17 +11,17 @@ const cells = 64;                           // along the longest edge of the mod
 const mostReach = 3, cellVariance = 1 / 12;  // deviations; cells squared, of a cell
 const directions = 24;                      // of ambient light
 const pairShare = 0.95, mostSkewness = 3;        // NormalPair of render/device/expected_light.h
-const halfOpaque = 0.5;                     // optical depth of a cell
+const halfOpaque = 4, opaqueSteepness = 4;  // optical depth of a cell
 const depthCell = cells / 32, thinCell = 0.02;   // of render/device: kDepthCells, in cells; kThinCell
 export const towardsLightCells = 2;         // kTowardsLight of render/device/light/light_lattice.h
 
 /**
- * Mean extinction of values with these moments for the measure 1, of which no more than that of both of a pair side by side is seen.
+ * Mean extinctions of values with these moments for the measure 1: less what clear matter beside opaque matter lets pass, and all.
  * cell  measure along a line through a cell of such matter
  */
-function meanExtinction(mean, variance, third, cell, extinction) {
+function meanExtinctions(mean, variance, third, cell, extinction) {
   const deviation = Math.sqrt(variance);
-  if (!(variance > 4e-5)) return extinction(Math.max(-1, Math.min(1, mean)), deviation);
+  if (!(variance > 4e-5)) return Array(2).fill(extinction(Math.max(-1, Math.min(1, mean)), deviation));
   const u = Math.max(-mostSkewness, Math.min(mostSkewness, third / (variance * deviation))) / pairShare ** 3, root = Math.hypot(u, 2);
   const of = (sign) => {
     const value = Math.max(-1, Math.min(1, mean + 0.5 * pairShare * deviation * (u + sign * root)));
@@ -29,11 +29,11 @@ function meanExtinction(mean, variance, third, cell, extinction) {
   };
   const high = of(1), low = of(-1), share = 0.5 * (1 - u / root), whole = low + share * (high - low);
   const passed = share * Math.exp(-cell * high) + (1 - share) * Math.exp(-cell * low);
-  return cell * whole > thinCell ? -Math.log(Math.max(passed, 1e-30)) / cell : whole;
+  return [cell * whole > thinCell ? -Math.log(Math.max(passed, 1e-30)) / cell : whole, whole];
 }
 
 /**
- * Mean extinctions in cubic cells around a model's box, with an empty cell on each side: {sum: [z][y][x], size, first: centre of the first cell, edge}.
+ * Mean extinctions in cubic cells around a model's box, with an empty cell on each side: {sum: [z][y][x], whole: without what clear matter lets pass, size, first: centre of the first cell, edge}.
  * Of each cell the moments of its values, classified as those of a slab.
  * gaussians   {instances, data: of the field}
  * extinction  of extinctionIn
@@ -41,7 +41,7 @@ function meanExtinction(mean, variance, third, cell, extinction) {
 export function extinctionLattice({ box, center, unit, cutoff, limits, extinction: factor }, { instances, data }, extinction) {
   const half = mul(1 / unit, box.half), middle = mul(1 / unit, sub(box.center, center)), edge = (2 * Math.max(...half)) / cells || 1;
   const size = half.map((h) => Math.ceil(((2 * h) / edge) * (1 - 1e-9)) + 2), first = middle.map((m, k) => m - 0.5 * edge * (size[k] - 1));
-  const sum = new Float32Array(size[0] * size[1] * size[2]), moments = new Float64Array(4 * sum.length), reach = Math.min(cutoff, mostReach), lower = [0, 0, 0], upper = [0, 0, 0];
+  const sum = new Float32Array(size[0] * size[1] * size[2]), whole = new Float32Array(sum.length), moments = new Float64Array(4 * sum.length), reach = Math.min(cutoff, mostReach), lower = [0, 0, 0], upper = [0, 0, 0];
   let values = new Float32Array(4096);
   for (let i = 0, f = 0; i < instances.length; i += instanceFloats, f += scalarFloats) {
     const [sx, sy, sz, w, x, y, z] = instances.subarray(i + 4, i + instanceFloats), a = (sx / edge) ** 2, b = (sy / edge) ** 2, c = (sz / edge) ** 2;
@@ -60,14 +60,14 @@ export function extinctionLattice({ box, center, unit, cutoff, limits, extinctio
     const [fxy, fxz, fyz] = [2 * per * ixy, 2 * per * ixz, 2 * per * (xy * xz - xx * yz)], [mx, my, mz] = mean;
     const count = (upper[0] - lower[0] + 1) * (upper[1] - lower[1] + 1) * (upper[2] - lower[2] + 1);
     if (count > values.length) values = new Float32Array(2 * count);
-    let n = 0, whole = 0;
+    let n = 0, samples = 0;
     for (let k = lower[2]; k <= upper[2]; ++k)
       for (let j = lower[1]; j <= upper[1]; ++j) {
         const dy = j - my, dz = k - mz, rest = fyy * dy * dy + fzz * dz * dz + fyz * dy * dz, slope = fxy * dy + fxz * dz;
-        for (let dx = lower[0] - mx; n < values.length && dx <= upper[0] - mx + 1e-3; ++dx) whole += values[n++] = Math.exp(-(dx * (fxx * dx + slope) + rest));
+        for (let dx = lower[0] - mx; n < values.length && dx <= upper[0] - mx + 1e-3; ++dx) samples += values[n++] = Math.exp(-(dx * (fxx * dx + slope) + rest));
       }
-    if (!(whole > 0)) continue;
-    const density = (limits[3] * instances[i + 3] * sx * sy * sz) / (factor * edge ** 3 * whole);
+    if (!(samples > 0)) continue;
+    const density = (limits[3] * instances[i + 3] * sx * sy * sz) / (factor * edge ** 3 * samples);
     // Of the place within the Gaussian a cell knows the mean, and the plane spreads its values by the rest.
     const d = [(sx / edge) * data[f + 1], (sy / edge) * data[f + 2], (sz / edge) * data[f + 3]];
     const [ax, ay, az] = [0, 3, 6].map((k) => r[k] * d[0] + r[k + 1] * d[1] + r[k + 2] * d[2]);
@@ -90,18 +90,18 @@ export function extinctionLattice({ box, center, unit, cutoff, limits, extinctio
     const tau = moments[m];
     if (!(tau > 0)) continue;
     const mean = moments[m + 1] / tau, square = moments[m + 2] / tau;
-    sum[n] = tau * meanExtinction(mean, Math.max(square - mean * mean, 0), moments[m + 3] / tau - mean * (3 * square - 2 * mean * mean), tau * depthCell * edge, extinction);
+    [sum[n], whole[n]] = meanExtinctions(mean, Math.max(square - mean * mean, 0), moments[m + 3] / tau - mean * (3 * square - 2 * mean * mean), tau * depthCell * edge, extinction).map((value) => tau * value);
   }
-  return { sum, size, first, edge };
+  return { sum, whole, size, first, edge };
 }
 
 /** Empties the cells whose centres a clip cuts off. */
-function cut({ sum, size, first, edge }, { center, unit }, clip) {
+function cut({ sum, whole, size, first, edge }, { center, unit }, clip) {
   for (const [normal, offset] of planesOf(clip)) {
     const gap = dot(normal, add(center, mul(unit, first))) - offset, step = mul(unit * edge, normal);
     for (let n = 0, k = 0; k < size[2]; ++k)
       for (let j = 0; j < size[1]; ++j)
-        for (let i = 0; i < size[0]; ++i, ++n) if (gap + i * step[0] + j * step[1] + k * step[2] < 0) sum[n] = 0;
+        for (let i = 0; i < size[0]; ++i, ++n) if (gap + i * step[0] + j * step[1] + k * step[2] < 0) sum[n] = whole[n] = 0;
   }
 }
 
@@ -138,8 +138,8 @@ export function depthsTowards({ sum, size, edge }, towards) {
 }
 
 /** Shares of opaque matter in cells or beside them: opaque_cells() of illumination.cpp. */
-export function opaqueCells({ sum, size, edge }) {
-  let most = sum;
+export function opaqueCells({ whole, size, edge }) {
+  let most = whole;
   for (let axis = 0, stride = 1; axis < 3; stride *= size[axis++]) {
     const before = most, last = size[axis] - 1;
     most = before.map((value, n) => {
@@ -147,7 +147,7 @@ export function opaqueCells({ sum, size, edge }) {
       return Math.max(value, place > 0 ? before[n - stride] : 0, place < last ? before[n + stride] : 0);
     });
   }
-  return most.map((value) => 1 / (1 + (halfOpaque / Math.max(value * edge, 1e-30)) ** 2));
+  return most.map((value) => 1 / (1 + (halfOpaque / Math.max(value * edge, 1e-30)) ** opaqueSteepness));
 }
 
 /** Shares of a light from a direction; octaves of multiple scattering as Wrenninge has them. */
