@@ -313,7 +313,7 @@ class Mistakes(Case):
             (["info"], "files is required"),
             (["render", "cloud.vdb", "--tf", "infreno"], "inferno"),
             (["render", "cloud.vdb", "--size", "0"], "640x480"),
-            (["render", "ct.nii"], "vog render --show volume draws them"),
+            (["render", "ct.nii", "--set", "background-value=0"], "vog render --show volume draws them"),
         ]:
             self.assertIn(remedy, self.refusal(*words), words)
 
