@@ -28,7 +28,7 @@ SECONDS = 60  # of one run on a busy machine; most take some hundredths
 # Values of options that take one. {made}: folder of inputs; {out}: folder of this run's outputs.
 VALUES = {
     "--grid": "density", "--mask": "density", "--method": "paper", "--lod": "3", "--threads": "1", "--error": "0.3",
-    "--budget": "200", "--block": "4", "--soft-steps": "2", "--refine": "0.01", "--set spread": "1.1",
+    "--budget": "200", "--block": "4", "--soft-steps": "2", "--refine": "0.01", "--set spread": "1.1", "--set background-value": "0.1",
     "--mass-threshold": "0.01", "--set strategy": "smart", "--set dense-block": "4", "--set amplitude": "mass", "--set kappa": "0.02",
     "--set opacity-threshold": "0.001", "--set variance-threshold": "0.02", "--set similarity": "0.2", "--set tree-depth": "2",
     "--set minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",

@@ -63,6 +63,8 @@ ROWS = [
     ("evaluate c.nrrd nan.ply -o e/ --size 16", r"(--skip-nonfinite)", "+"),
     ("info nan.ply", r"(--skip-nonfinite)", "render nan.ply -o p.png {0}"),
     ("pack none.ply -o n.vogz --max-loss 1 --reference nan.nrrd", r"(--skip-nonfinite)", "+"),
+    ("render fire.vdb -o p.png --set background-value=1", r"with (--set background-value)", "render c.nrrd -o p.png --set background-value=1"),
+    ("convert c.nrrd ct.nrrd -o q.ply --combine mesh", r"\((--set background-value)=VALUE", "convert c.nrrd ct.nrrd -o q.ply --combine mesh --set background-value=-1000"),
     # Columns that are not sure.
     ("render whole.xyz -o p.png --radius 1", r"or (--columns 1,2,3)", "+"),
     ("render seven.xyz -o p.png --radius 1", r"(--columns) names others", "+ 1,2,3"),
@@ -250,6 +252,7 @@ def make_inputs(case):
     volume("c.nrrd", ball)
     volume("fine.nrrd", lambda x, y, z: max(0.0, 12 - math.dist((x, y, z), (12, 12, 12))), edge=24)
     volume("beside.nrrd", ball, origin=3)
+    volume("ct.nrrd", lambda x, y, z: 100 * ball(x, y, z) - 1000, origin=12)
     volume("signed.nrrd", lambda x, y, z: ball(x, y, z) - 1)
     volume("nan.nrrd", lambda x, y, z: float("nan") if x == 5 else ball(x, y, z))
     rows = [f"{n * 7 % 11},{n * 5 % 13},{n * 3 % 17}" for n in range(100)]
