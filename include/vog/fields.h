@@ -35,13 +35,14 @@ struct ScalarField {
     bool is_measure = false;
     ValueSpread
         spread{};  ///< percentiles of the data; unknown: value_data (vog/picture.h) has those of the Gaussians
-    /// Value at which the density of a measure is 0, in the unit: density is the value above it.
-    double background = 0;
 
     BigVector<float> value;      ///< [N] at the Gaussian's mean, in the unit
     BigVector<Vec3f> gradient;   ///< [N] unit per world unit
     BigVector<float> deviation;  ///< [N] standard deviation of the residual, in the unit, >= 0
     BigVector<float> skewness;   ///< [N] third standardised moment of the residual, [-3, 3]
+
+    /// Value at which the density of a measure is 0, in the unit: density is the value above it.
+    double background = 0;
 };
 
 /// Vector field on N Gaussians, components along the world's axes.

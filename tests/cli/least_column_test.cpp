@@ -20,7 +20,7 @@ TEST_F(least_column_command, faint_pixels_are_background_but_have_values) {
     model.density.push_back(1);
     model.cutoff = 3;
     model.fields.scalar.push_back(
-        {"T", "K", 300, 301, false, {}, 0, {300.5f}, {Vec3f{0.1f, 0, 0}}, {0.01f}, {0.0f}});
+        {"T", "K", 300, 301, false, {}, {300.5f}, {Vec3f{0.1f, 0, 0}}, {0.01f}, {0.0f}});
     write_ply(dir_ / "model.ply", model);
     constexpr int kSize = 64;
     const auto values = [&](const std::string& share) {

@@ -23,7 +23,7 @@ class splats_command : public CommandLine {
         model.box = {{-10, -10, 0}, {10, 10, 40}};
         if (with_field)
             model.fields.scalar.push_back(
-                {"density", "", 0, 2, true, {}, 0, {0.2f, 1.9f}, {{}, {}}, {0, 0}, {0, 0}});
+                {"density", "", 0, 2, true, {}, {0.2f, 1.9f}, {{}, {}}, {0, 0}, {0, 0}});
         write_ply(dir_ / "m.ply", model);
     }
     /// Rows of the 17 properties of a 3DGS PLY.

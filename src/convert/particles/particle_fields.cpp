@@ -117,8 +117,8 @@ void add_particle_fields(Gaussians& model, const Points& points,
                 counts.add(values.component.front()[n], double{mass[n]});
                 keep_memory_at(n);
             }
-            ScalarField field{values.name, values.unit, lower, upper, false, counts.spread(),
-                              0,           {},          {},    {},    {}};
+            ScalarField field{values.name,     values.unit, lower, upper, false,
+                              counts.spread(), {},          {},    {},    {}};
             field.value.resize(size), field.gradient.resize(size);
             field.deviation.resize(size), field.skewness.resize(size);
             scalar.emplace_back(&values, model.fields.scalar.size());
