@@ -144,8 +144,17 @@ auto with_memory_errors(const std::filesystem::path& file, const Run& run) {
     }
 }
 
-GridInfo info_of(const std::filesystem::path& file, const ScanGrid& grid,
-                 const BigVector<float>& value) {
+/// Values of the file, and voxels above its background.
+GridInfo info_of(const std::filesystem::path& file, const ScanGrid& grid, BigVector<float> value,
+                 double background) {
+    const bool all = has_negative(value);
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const float v : value)
+        if (std::isfinite(v) && (all || v != 0)) {
+            low = std::min(low, double{v});
+            high = std::max(high, double{v});
+        }
+    if (background != 0) subtract_background(background, value);
     ValueNotes notes;
     const Volume volume = volume_of(grid, value, where_of(file, grid), {.ones = true}, notes);
     GridInfo info;
@@ -164,13 +173,6 @@ GridInfo info_of(const std::filesystem::path& file, const ScanGrid& grid,
     const Vec3d half{0.5, 0.5, 0.5};
     info.world = transformed(grid.world_from_index, {vec_cast<double>(box.lower) - half,
                                                      vec_cast<double>(box.upper) + half});
-    const bool all = has_negative(value);
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const float v : value)
-        if (std::isfinite(v) && (all || v != 0)) {
-            low = std::min(low, double{v});
-            high = std::max(high, double{v});
-        }
     info.min = low;
     info.max = high;
     return info;
@@ -227,9 +229,10 @@ std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file) {
         const ScanFile scan = open_scan(file);
         std::vector<VolumeInfo> all;
         for (const ScanGrid& grid : scan.grids) {
-            const BigVector<float> value = scan.read(all.size());
-            all.push_back({info_of(file, grid, value), grid.coordinates, grid.length_unit,
-                           grid.value_unit, scan.note, background_of(grid, value)});
+            BigVector<float> value = scan.read(all.size());
+            const double background = background_of(grid, value);
+            all.push_back({info_of(file, grid, std::move(value), background), grid.coordinates,
+                           grid.length_unit, grid.value_unit, scan.note, background});
         }
         return all;
     });

@@ -89,7 +89,9 @@ TEST(scan_background, air_of_hounsfield_units_is_minus_1000) {
         const VoxelField field = measure_field(volume);
         EXPECT_EQ(field.upper, 40);
         EXPECT_EQ(field.background, -1000);
-        EXPECT_EQ(inspect_volume(dir / "a.raw").front().background, -1000);
+        const VolumeInfo info = inspect_volume(dir / "a.raw").front();
+        EXPECT_EQ(info.background, -1000);
+        EXPECT_EQ(info.grid.active_voxels, active_voxels(volume));
     }
     // 12-bit scanners store air as -1024; a cropped scan of tissue has a unit and no air.
     EXPECT_EQ(read_raw(dir, ball_in(constant(-1024), constant(40))).volume.background, -1000);
