@@ -19,16 +19,17 @@ class ReferencePictures : public SourceRenderer {
                       const Collective* processes)
         : sources_(std::move(sources)), voxels_(options.voxels), processes_(processes) {}
 
-    /// Grids for T. Levels of constant voxels none of which is hidden in part are grids that add up.
+    /// Grids for T. The visible voxels of a mesh's levels are grids that add up, unless a finer level hides part of a voxel.
     void prepare(const ResolvedPicture& picture) override {
         if (!is_depth(picture.request.show) || !grids_.empty() || !levels_.empty()) return;
         for (const VoxelSource& source : sources_) {
             const VolumeSet& levels = *source.volumes;
+            if (levels.volumes.empty()) continue;
             std::optional<Composite> mesh;
             if (levels.is_mesh() && voxels_.interpolation == Interpolation::constant)
                 mesh = composite(levels);
             if (levels.is_mesh() && !(mesh && mesh->partly_hidden == 0)) {
-                if (!levels.volumes.empty()) levels_.push_back(level_grids(levels, voxels_));
+                levels_.push_back(level_grids(levels, voxels_));
                 continue;
             }
             for (const Volume& volume : mesh ? mesh->parts : levels.volumes)
