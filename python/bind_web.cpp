@@ -229,7 +229,7 @@ field        name of that field; '': the first one, of volume and maximum the de
 range        (low, high), values of the first and the last colour; None: of the initial view, volume: of the data
 log          True: logarithmic colours; None: of volume where most of the mass has values over a decade and more, else linear
 unit_distance  of volume: length that opacities refer to, world units; None: found by the page
-light        of volume: 'head', 'studio' (shadows and ambient occlusion), or the direction towards the light; None: none
+light        of volume: 'head', 'studio' (shadows and ambient occlusion), the direction towards the light, or a Light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all
 clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at most 10
 steps        True: the models are steps in time, with a play bar and one extinction
