@@ -23,9 +23,10 @@ struct DrawnPicture {
 /// Data, prepared for pictures of one kind.
 class PictureScene {
   public:
-    PictureScene(py::object data, py::object fields)
+    /// data, fields  of each input: several are for layers
+    PictureScene(std::vector<py::object> data, std::vector<py::object> fields)
         : data_(std::move(data)), fields_(std::move(fields)) {
-        require_drawable(data_, fields_);
+        for (std::size_t n = 0; n < data_.size(); ++n) require_drawable(data_[n], fields_.at(n));
     }
 
     DrawnPicture draw(const std::string& json, const py::object& progress) try {
@@ -42,7 +43,7 @@ class PictureScene {
             Sums sums;
             renderer_->draw(picture, sums, report);
             Scene frame = renderer_->scene();
-            frame.sources.clear();
+            frame.sources.clear(), frame.layers.clear();
             Picture finished = finish(std::move(sums), picture, frame);
             return DrawnPicture{std::move(finished), std::move(frame)};
         });
@@ -52,8 +53,37 @@ class PictureScene {
     }
 
   private:
+    /// Makes the scenes of layers and their renderer, unless they are there.
+    void prepare_layers(PictureRequest& request) {
+        std::string kind = "layers";
+        for (const Layer& layer : request.layers) {
+            if (layer.input >= data_.size())
+                throw Error("layers: input " + std::to_string(layer.input) + " of " +
+                            std::to_string(data_.size()));
+            kind += layer.visible ? " " + std::to_string(layer.input) + layer.field : " -";
+        }
+        if (kind != kind_) {
+            kind_.clear(), layer_fields_.clear();
+            std::vector<Scene> scenes;
+            for (const Layer& layer : request.layers) {
+                PictureRequest one = request;
+                one.layers.clear();
+                one.field = layer.field;
+                scenes.push_back(layer.visible
+                                     ? scene_of_data(data_[layer.input], fields_[layer.input], one)
+                                     : Scene{});
+                layer_fields_.push_back(one.field);
+            }
+            renderer_ = std::make_unique<PictureRenderer>(scene_of_layers(std::move(scenes)));
+            kind_ = kind;
+        }
+        for (std::size_t n = 0; n < request.layers.size(); ++n)
+            request.layers[n].field = layer_fields_[n];
+    }
+
     /// Makes the scene and the renderer that a request needs, unless they are there.
     void prepare(PictureRequest& request) {
+        if (!request.layers.empty()) return prepare_layers(request);
         const Show show = request.show;
         std::string kind = is_field_map(show)  ? "map of " + request.field
                            : is_by_value(show) ? "values of " + request.field
@@ -61,15 +91,17 @@ class PictureScene {
         if (request.options.pixel_error) kind += ", cut";
         if (kind != kind_) {
             kind_.clear();
-            renderer_ = std::make_unique<PictureRenderer>(scene_of_data(data_, fields_, request));
+            renderer_ = std::make_unique<PictureRenderer>(
+                scene_of_data(data_.front(), fields_.front(), request));
             field_ = request.field;
             kind_ = kind;
         }
         request.field = field_;
     }
 
-    py::object data_, fields_;
+    std::vector<py::object> data_, fields_;
     std::string kind_, field_;
+    std::vector<std::string> layer_fields_;
     std::unique_ptr<PictureRenderer> renderer_;
     std::mutex drawing_{};  ///< scene and buffers are for one picture at a time
 };
@@ -261,7 +293,7 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
 void bind_picture(py::module_& m) {
     bind_picture_class(m);
     py::class_<PictureScene, std::shared_ptr<PictureScene>>(m, "_Scene")
-        .def(py::init<py::object, py::object>())
+        .def(py::init<std::vector<py::object>, std::vector<py::object>>())
         .def("draw", &PictureScene::draw);
     m.def("_transfer_json", &transfer_json);
     m.def("_request_schema", [] {

@@ -164,6 +164,16 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
 /// begin with a dark one, which makes no edge at the rim of supports.
 const char* default_map(Show show);
 
+/// A field in a volume picture of several.
+struct Layer {
+    std::size_t input = 0;  ///< place of its data among the front end's inputs, from 0
+    std::string file{};     ///< input that a user names in place of `input`
+    bool visible = true;
+    std::string field{};  ///< as PictureRequest::field
+    TransferRequest transfer{};
+    ScaleFit fit = ScaleFit::automatic;
+};
+
 /// Marks of a picture for readers of papers.
 struct Marks {
     bool color_bar =
@@ -182,6 +192,9 @@ struct PictureRequest {
     std::string field{};
     /// Colours and, of volumes, opacities. A map without points: default_map.
     TransferRequest transfer{};
+    /// Fields of a volume picture that are drawn together, in place of `field`, `transfer` and `fit`: where they overlap, their
+    /// extinctions add up, and their colours mix by these.
+    std::vector<Layer> layers{};
     ScaleFit fit = ScaleFit::automatic;  ///< fit of an open range; log: scale of a stated one, too
     double least_column = kLeastColumn;  ///< share of the largest column, for means and deviations
     std::string unit{};                  ///< unit of the shown numbers; empty: the data's
@@ -211,6 +224,7 @@ struct ResolvedPicture {
     std::string name, unit;  ///< name and unit of the shown number: "deviation of temperature", "K"
     double factor = 1;       ///< from the data's unit to `unit`
     bool unit_is_label = false;  ///< the data state none, and the requested unit is only a label
+    std::vector<ResolvedPicture> layers{};  ///< [request.layers] hidden ones are empty
     const Camera& camera() const { return *request.camera; }
 };
 /// A member of a request that contradicts the data or other members.

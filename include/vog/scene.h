@@ -51,6 +51,9 @@ struct Scene {
     Subject subject{};                      ///< part that views frame, with the units of the data
     std::string name{};                     ///< "smoke.vdb", for messages; may be empty
     std::string column = "column density";  ///< name of columns; "number per area" for particles
+    /// Data of each layer of the request (PictureRequest::layers), those of hidden ones without sources; `sources` are then those of the
+    /// first visible one.
+    std::vector<Scene> layers{};
     /// Processes that hold parts of the data and draw the same pictures, which are complete on the root. Null: one process.
     const Collective* collective = nullptr;
 
@@ -65,5 +68,8 @@ Scene scene_of(Volume volume);
 Scene scene_of(std::shared_ptr<const Gaussians> model,
                std::shared_ptr<const Hierarchy> hierarchy = nullptr);
 Scene scene_of(std::shared_ptr<const VolumeSet> volumes);
+/// Scene of the layers of a picture, which frames all of them.
+/// layers  at least one with sources
+Scene scene_of_layers(std::vector<Scene> layers);
 
 }  // namespace vog

@@ -23,7 +23,7 @@ _units.accept_quantities()
 _show.show_models()
 _picture.extend_picture()
 
-from ._picture import Light as Light, Scale as Scale, Scene as Scene
+from ._picture import Layer as Layer, Light as Light, Scale as Scale, Scene as Scene
 from ._projection import Projection as Projection, projection as projection
 from ._readers import from_nifti as from_nifti, from_tiff as from_tiff, from_xarray as from_xarray, from_yt as from_yt
 from ._show import Page as Page, Settings as Settings, show as show

@@ -54,6 +54,33 @@ class Light(NamedTuple):
         return {**parts, "light" if self.surfaces else "light_from": towards}
 
 
+class Layer:
+    """One of several fields in a volume picture: vog.render([vog.Layer(gas, "density", tf="blues"), vog.Layer(stars, tf="white")]).
+
+    data      Gaussians, a Volume, Levels, a list of Volumes, or Points
+    field     its scalar field; None: the density
+    fields    of voxels: the field at them, {'temperature': array}, as convert() takes it
+    visible   whether it is drawn
+    request   tf, range, scale, window, bands, threshold and unit_distance, as render() has them
+
+    Where layers overlap, their extinctions add up, and their colours mix by these; they shadow each other.
+
+    >>> cloud, head = vog.sample_cloud(64), vog.sample_head(64)
+    >>> picture = vog.render([vog.Layer(cloud, tf="white"), vog.Layer(vog.convert(head), threshold=900)], size=64)
+    >>> picture.label
+    'volume of density, ct'
+    """
+
+    def __init__(self, data: "_vog._Drawable", field: "Optional[str]" = None, *, fields: "Optional[Dict[str, Any]]" = None, visible: bool = True, **request: Any) -> None:
+        self.data, self.fields, self.visible = data, fields, visible
+        _messages.refuse_unknown("Layer", request, ("tf", "range", "scale", "window", "bands", "threshold", "unit_distance"))
+        self._request = {"field": field, **request}
+
+    def _member(self, place: int) -> "Dict[str, Any]":
+        row = {key: _plain(value, key) for key, value in self._request.items() if value is not None}
+        return {"input": place, "visible": self.visible, **row}
+
+
 def _plain(value: Any, key: str, nested: bool = False) -> Any:
     """A value of a request as JSON has it."""
     if key == "tf" and not nested and not (isinstance(value, dict) or value is None):
@@ -115,17 +142,27 @@ def _state_keywords(call: Any, keys: "Iterable[str]") -> None:
 class Scene:
     """Data made ready for pictures from any number of views.
 
-    data    Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each). Leave its arrays as they are while the scene is used
+    data    Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each); or a list of Layers. Leave its arrays as they are
+            while the scene is used
     fields  of voxels: the field at them, {'temperature': array}, as convert() takes it
     """
 
-    def __init__(self, data: "_vog._Drawable", fields: "Optional[Dict[str, Any]]" = None) -> None:
-        self._scene = _vog._Scene(data, fields)
+    def __init__(self, data: "Union[_vog._Drawable, Sequence[Layer]]", fields: "Optional[Dict[str, Any]]" = None) -> None:
+        self._layers = list(data) if isinstance(data, (list, tuple)) and any(isinstance(one, Layer) for one in data) else []
+        if not self._layers:
+            self._scene = _vog._Scene([data], [fields])
+            return
+        if fields is not None or not all(isinstance(one, Layer) for one in self._layers):
+            raise TypeError("render: expected Layers alone, each with its own fields")
+        self._scene = _vog._Scene([one.data for one in self._layers], [one.fields for one in self._layers])
 
     def render(
         self, camera: "Optional[_vog.Camera]" = None, size: _Size = 512, *, progress: "Optional[Callable[[float], Any]]" = None, **request: Any
     ) -> "_vog.Picture":
         """One picture; the keywords are vog.render's. What one kind of picture needs is prepared once."""
+        if self._layers:
+            own = {"show": "volume", "layers": [one._member(n) for n, one in enumerate(self._layers)]}
+            request = {**own, **{key: value for key, value in request.items() if value is not None}}
         return self._scene.draw(_json("render", {"camera": camera, "size": size, **request}), progress)
 
     def __repr__(self) -> str:
@@ -133,7 +170,7 @@ class Scene:
 
 
 def render(
-    data: "_vog._Drawable",
+    data: "Union[_vog._Drawable, Sequence[Layer]]",
     camera: "Optional[_vog.Camera]" = None,
     size: _Size = 512,
     *,
@@ -143,7 +180,7 @@ def render(
 ) -> "_vog.Picture":
     """One picture of a request, in the words of `vog render`; the same request gives the same picture there.
 
-    data                Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each)
+    data                Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each); a list of Layers: a volume picture of all
     camera              None: Camera.orbit(data), fitted to the picture
     size                pixels, 512 or (width, height)
     fields              of voxels: the field at them, {'temperature': array}, as convert() takes it

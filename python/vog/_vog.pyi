@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypeAlias
 
-from ._picture import Scale
+from ._picture import Layer, Scale
 
 __all__ = [
     "Error",
@@ -499,7 +499,7 @@ class _Scene:
 def _transfer_json(tf: Any, /) -> str: ...
 def _request_schema() -> dict[str, tuple[str, str, str, list[str], str, str]]: ...
 def render(
-    data: _Drawable,
+    data: Union[_Drawable, Sequence[Layer]],
     camera: Optional[Camera] = ...,
     size: _Size = ...,
     *,
@@ -511,11 +511,11 @@ def render(
     bands: Optional[Sequence[Any]] = ..., threshold: Optional[float] = ..., unit_distance: Optional[float] = ...,
     light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ..., light_from: Optional[ArrayLike] = ...,
     ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ..., light_weights: Optional[ArrayLike] = ...,
-    slabs: Optional[int] = ..., clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ..., color_bar: Optional[bool] = ...,
-    axes: Optional[bool] = ..., scale_bar: Optional[bool] = ..., title: Optional[str] = ..., renderer: Optional[str] = ...,
-    pixel_error: Optional[float] = ..., kappa: Optional[float] = ..., aabb_sigma: Optional[float] = ..., interpolation: Optional[str] = ...,
-    step: Optional[float] = ..., samples: Optional[int] = ..., anyhit: Optional[str] = ..., hits_per_slab: Optional[int] = ...,
-    stop_transmittance: Optional[float] = ...,
+    slabs: Optional[int] = ..., layers: Optional[Sequence[dict[str, Any]]] = ..., clip: Optional[ArrayLike] = ...,
+    clip_planes: Optional[ArrayLike] = ..., color_bar: Optional[bool] = ..., axes: Optional[bool] = ..., scale_bar: Optional[bool] = ...,
+    title: Optional[str] = ..., renderer: Optional[str] = ..., pixel_error: Optional[float] = ..., kappa: Optional[float] = ...,
+    aabb_sigma: Optional[float] = ..., interpolation: Optional[str] = ..., step: Optional[float] = ..., samples: Optional[int] = ...,
+    anyhit: Optional[str] = ..., hits_per_slab: Optional[int] = ..., stop_transmittance: Optional[float] = ...,
 ) -> Picture: ...
 
 class PictureDifference:

@@ -62,6 +62,7 @@ def test_the_command_and_python_draw_the_same(command, tmp_path, sources, kind, 
     (["--renderer", "trace"], {"renderer": "trace"}),
     (["--slabs", "7"], {"slabs": 7}),
     (["--clip", "1,0,0,0"], {"clip_planes": [(1, 0, 0, 0)]}),
+    (["--layer", "tf=viridis,range=0.1,0.6", "--layer", "band=0.1,0.3,red,0.2"], {"layers": [{"tf": "viridis", "range": (0.1, 0.6)}, {"bands": [(0.1, 0.3, "red", 0.2)]}]}),
     (["--unit-distance", "0.1", "--background", "white"], {"unit_distance": 0.1, "background": "white"}),
 ])  # fmt: skip
 def test_volumes_are_the_same_with_options(command, tmp_path, sources, options, arguments):

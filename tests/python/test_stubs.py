@@ -94,6 +94,8 @@ def type_of(key):
         return "int"
     if takes == "COLOUR":
         return "Union[str, _Vector]"
+    if key == "layers":
+        return "Sequence[dict[str, Any]]"
     if "COLOUR" in takes:
         return "Sequence[Any]"
     if "," in takes:

@@ -218,7 +218,7 @@ Json render_turn(const RenderArguments& arguments, const GivenOptions& command,
                                *middle));
     if (!arguments.json && first.has_extinction())
         print_line(fmt::format("extinction {:.6g}, of the first picture", first.extinction));
-    else if (!arguments.json)
+    else if (!arguments.json && !first.layered)
         print_line(fmt::format("{}: colours from {:.6g} to {:.6g}, of the first picture",
                                first.quantity, first.scale->low, first.scale->high));
     return {{"output", arguments.output}, {"pictures", list}};
@@ -284,6 +284,8 @@ std::vector<std::string> written_files(const RenderArguments& arguments) {
 }
 std::vector<std::string> read_files(const RenderArguments& arguments) {
     std::vector<std::string> files = arguments.drawing.inputs;
+    const std::vector<std::string>& layers = arguments.drawing.layer_inputs;
+    files.insert(files.end(), layers.begin(), layers.end());
     files.insert(files.end(),
                  {arguments.view.camera_file, arguments.words.word("tf"), arguments.request_file});
     return files;
@@ -331,6 +333,8 @@ void render_files(RenderArguments& given, GivenOptions command, const RenderRank
     arguments.reading.merge(reading_options(command));
     arguments.drawing.inputs = expanded(given.drawing.inputs);
     name_models_of_site(arguments, ranks);
+    if (!arguments.request.layers.empty() && !arguments.turntable && is_of_many(arguments.output))
+        throw UsageError("--layer: one picture or a turn, expected -o FILE.png or --turntable");
     if (makes_nothing(arguments)) {
         if (arguments.turntable)
             throw UsageError(

@@ -136,7 +136,8 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
         const bool general = member.group == "Quantity" || member.group == "Colour";
         const bool special = member.group == "Clipping" || member.shows.starts_with("volume");
         // Maps of pages have the data's units, and show every pixel.
-        if (!(general || special) || member.key == "units" || member.key == "least_column")
+        if (!(general || special) || member.key == "units" || member.key == "least_column" ||
+            member.key == "layers")
             continue;
         const OptionGroup grouped(command,
                                   general && !group.empty() ? group : spelled(member.group));

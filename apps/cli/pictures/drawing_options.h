@@ -12,6 +12,7 @@ namespace vog::cli {
 
 struct DrawingArguments {
     std::vector<std::string> inputs;
+    std::vector<std::string> layer_inputs{};  ///< by Layer::input, `inputs` first; empty: no layers
     VolumeInputOptions volume;
     PointInputOptions points;
     std::optional<SiteView>

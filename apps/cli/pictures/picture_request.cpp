@@ -40,4 +40,19 @@ std::vector<std::string> transfer_notes(const PictureRequest& request,
     return notes;
 }
 
+std::vector<std::string> layer_notes(const ResolvedPicture& picture) {
+    std::vector<std::string> notes;
+    for (std::size_t n = 0; n < picture.layers.size(); ++n) {
+        if (!picture.request.layers[n].visible) continue;
+        const ResolvedPicture& layer = picture.layers[n];
+        const auto& [kind, low, high] = layer.chosen.scale;
+        notes.push_back(
+            fmt::format("layer {}: {}{}, values from {:.6g} to {:.6g}{}, unit distance {:.6g}",
+                        n + 1, layer.field.field, layer.unit.empty() ? "" : " [" + layer.unit + "]",
+                        low, high, kind == ColorScale::Kind::log ? ", logarithmic" : "",
+                        layer.chosen.transfer.unit_distance));
+    }
+    return notes;
+}
+
 }  // namespace vog::cli

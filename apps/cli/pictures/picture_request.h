@@ -22,4 +22,7 @@ void share(const SharedScales& scales, PictureRequest& request);
 std::vector<std::string> transfer_notes(const PictureRequest& request,
                                         const ResolvedPicture& picture);
 
+/// A line on each visible layer.
+std::vector<std::string> layer_notes(const ResolvedPicture& picture);
+
 }  // namespace vog::cli

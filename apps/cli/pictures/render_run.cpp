@@ -81,6 +81,7 @@ void set_figures(const Picture& picture, RenderedPicture& figures) {
     }
     figures.unit_distance = picture.made.chosen.transfer.unit_distance;
     figures.mean_opacity = covered > 0 ? sum / covered : 0;
+    figures.layered = !picture.made.layers.empty();
 }
 
 /// Figures of a picture, and notes on it.
@@ -140,7 +141,9 @@ std::vector<double> timed(const RenderArguments& arguments, const std::function<
 /// How a picture was made, as its files keep it.
 std::string record_of(const RenderArguments& arguments, const Picture& picture) {
     return record_json(
-        {picture.made.request, arguments.drawing.inputs, arguments.reading, version_number()});
+        {picture.made.request,
+         picture.made.layers.empty() ? arguments.drawing.inputs : arguments.drawing.layer_inputs,
+         arguments.reading, version_number()});
 }
 
 /// Writes the files of one picture.
@@ -187,13 +190,15 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
                                      {"repeats", picture.render_ms.size()}}}};
     if (picture.has_extinction()) json["extinction"] = picture.extinction;
     if (!picture.values_output.empty()) json["values_output"] = picture.values_output;
-    if (picture.scale) {
+    if (picture.layered) {
+        json["mean_opacity"] = picture.mean_opacity;
+    } else if (picture.scale) {
         json["units"] = picture.units;
         json["range"] = {picture.scale->low, picture.scale->high};
         json["log"] = picture.scale->kind == ColorScale::Kind::log;
         if (!picture.unit_distance) json["above_range"] = picture.above_range;
     }
-    if (picture.unit_distance) {
+    if (picture.unit_distance && !picture.layered) {
         json["unit_distance"] = *picture.unit_distance;
         json["mean_opacity"] = picture.mean_opacity;
     }
@@ -224,7 +229,10 @@ void print(const RenderedPicture& picture, bool repeated) {
             picture.height, picture.primitives_text, picture.median_ms(),
             picture.has_extinction() ? fmt::format("extinction {:.6g}, ", picture.extinction) : "",
             100 * picture.covered));
-    if (picture.unit_distance && !picture.output.empty())
+    if (picture.layered && !picture.output.empty())
+        print_line(fmt::format("{}: mean opacity {:.3f} where covered", picture.quantity,
+                               picture.mean_opacity));
+    else if (picture.unit_distance && !picture.output.empty())
         print_line(fmt::format(
             "{}{}: values from {:.6g} to {:.6g}, unit distance {:.6g}, mean opacity {:.3f} where "
             "covered",
@@ -283,14 +291,18 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
     PictureRequest request = given.request;
     check_arguments(given, ranks.is_root);
     const RenderArguments arguments = of_view(given, command, ranks);
-    request.renderer =
-        renderer_of(request, arguments.drawing,
-                    common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid));
+    const bool layered = !request.layers.empty();
+    if (!layered)
+        request.renderer =
+            renderer_of(request, arguments.drawing,
+                        common_kind(arguments.drawing.inputs, arguments.drawing.volume.grid));
     if (arguments.shared) share(*arguments.shared, request);
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
-    SceneInputs inputs =
-        stages.run("load", [&] { return load_scene(arguments.drawing, request, ranks); });
+    SceneInputs inputs = stages.run("load", [&] {
+        return layered ? load_layers(arguments.drawing, request, ranks)
+                       : load_scene(arguments.drawing, request, ranks);
+    });
     if (!request.field.empty() && !inputs.field.empty()) request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
@@ -299,7 +311,8 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
         print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",
                                  arguments.drawing.inputs.front(), picture.name, request.unit)});
     if (request.show == Show::volume && ranks.is_root) {
-        const std::vector<std::string> notes = transfer_notes(request, picture);
+        const std::vector<std::string> notes =
+            layered ? layer_notes(picture) : transfer_notes(request, picture);
         print_notes(notes);
         inputs.notes.insert(inputs.notes.end(), notes.begin(), notes.end());
     }

@@ -50,6 +50,7 @@ struct RenderedPicture {
     std::string quantity;                             ///< "T", "column density", "count per area"
     std::string units;                                ///< of --units
     std::optional<ColorScale> scale;                  ///< of the shown values; none: T
+    bool layered = false;                             ///< each layer has its own scale
     double above_range = 0;                           ///< fraction of pixels above scale->high
     std::string renderer, primitives_text;
     int width = 0, height = 0;  ///< pixels

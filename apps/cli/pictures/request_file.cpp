@@ -43,7 +43,9 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
     if (words.has("show") || words.has("field"))
         drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance",
               "units", "extinction", "light", "light_weights", "shadows", "light_from",
-              "ambient_occlusion", "scattering", "slabs"});
+              "ambient_occlusion", "scattering", "slabs", "layers"});
+    if (words.has("layers"))
+        drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance"});
     if (words.has("window") || words.has("bands")) drop({"tf", "range", "scale"});
     if (words.has("window")) drop({"bands"});
     if (words.has("bands")) drop({"window"});
@@ -82,6 +84,31 @@ void require_inputs(const std::vector<std::string>& inputs) {
                             printable(input, 200), std::filesystem::current_path(code).string()));
 }
 
+/// Inputs of layers: those of the command line, and the files that layers name. The first one is the picture's.
+/// throws  UsageError for a layer of an input that is not there
+void place_layers(DrawingArguments& drawing, PictureRequest& request) {
+    if (request.layers.empty()) return;
+    std::vector<std::string>& all = drawing.layer_inputs = drawing.inputs;
+    for (Layer& layer : request.layers) {
+        if (!layer.file.empty()) {
+            layer.input =
+                static_cast<std::size_t>(std::ranges::find(all, layer.file) - all.begin());
+            if (layer.input == all.size()) all.push_back(layer.file);
+            layer.file.clear();
+        }
+        if (layer.input >= all.size())
+            throw UsageError(fmt::format("--layer: input {} of {}, expected 0 to {}", layer.input,
+                                         all.size(), all.size() - 1));
+    }
+    for (std::size_t n = 0; n < all.size(); ++n)
+        if (std::ranges::none_of(request.layers, [&](const Layer& l) { return l.input == n; }))
+            throw UsageError(
+                fmt::format("--layer: {} is in no layer, expected --layer {},...; "
+                            "files of one mesh are a pattern in quotes, 'level*.vdb'",
+                            all[n], all[n]));
+    drawing.inputs.resize(1);
+}
+
 /// Whether --request is JSON or a page's link itself, not a file.
 bool is_text(const std::string& request) {
     const std::size_t first = request.find_first_not_of(" \t\r\n");
@@ -103,7 +130,7 @@ PictureRecord record_in(const std::string& request) {
 void take_request(RenderArguments& arguments, GivenOptions& command) try {
     if (!command.has("--request")) {
         arguments.request = arguments.words.over();
-        return;
+        return place_layers(arguments.drawing, arguments.request);
     }
     const PictureRecord record = record_in(arguments.request_file);
     std::vector<std::string>& inputs = arguments.drawing.inputs;
@@ -113,9 +140,11 @@ void take_request(RenderArguments& arguments, GivenOptions& command) try {
     const bool same_field = !arguments.words.has("field") && !arguments.words.has("show");
     const auto grid = record.reading.find("--grid");
     const bool has_grid = grid != record.reading.end() && !grid->second.empty();
-    const FileKind kind = common_kind(expanded(inputs), command.has("--grid") || !has_grid
-                                                            ? arguments.drawing.volume.grid
-                                                            : grid->second.front());
+    const std::vector<std::string> kinds(
+        inputs.begin(), record.request.layers.empty() ? inputs.end() : inputs.begin() + 1);
+    const FileKind kind = common_kind(expanded(kinds), command.has("--grid") || !has_grid
+                                                           ? arguments.drawing.volume.grid
+                                                           : grid->second.front());
     PictureRequest& request = arguments.request;
     request = arguments.words.over(kept(record.request, arguments.words, kind));
     require_effects(request);
@@ -127,6 +156,7 @@ void take_request(RenderArguments& arguments, GivenOptions& command) try {
                                                            kind == FileKind::volume)
         request.field = field->second.front(), arguments.reading["--field"] = field->second;
     arguments.view.stored = request.camera;
+    place_layers(arguments.drawing, request);
 } catch (const Error& error) {
     const std::string text = error.what(), file = arguments.request_file;
     const std::string name = is_text(file) ? "--request" : file;

@@ -7,7 +7,9 @@
 #include <optional>
 
 #include "conversion/volume_fields.h"
+#include "files/sequence.h"
 #include "terminal/terminal.h"
+#include "terminal/usage_error.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/text.h"
@@ -227,6 +229,33 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
     throw error(fmt::format("--show {}: no scalar field{}", word,
                             name.empty() ? " chosen" : fmt::format(" '{}'", printable(name))),
                 "expected --field NAME");
+}
+
+SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& request,
+                        const RenderRanks& ranks) {
+    if (ranks.divided())
+        throw UsageError("--layer: layers are drawn by one process, expected vog render");
+    SceneInputs all;
+    std::vector<Scene> scenes;
+    for (Layer& layer : request.layers) {
+        Scene& scene = scenes.emplace_back();
+        if (!layer.visible) continue;
+        DrawingArguments own = arguments;
+        own.inputs = expanded({arguments.layer_inputs[layer.input]});
+        PictureRequest one = request;
+        one.layers.clear();
+        one.field = layer.field;
+        one.renderer = renderer_of({}, own, common_kind(own.inputs, own.volume.grid));
+        SceneInputs inputs = load_scene(own, one, ranks);
+        if (!inputs.field.empty()) layer.field = inputs.field;
+        scene = std::move(inputs.scene);
+        all.gaussians += inputs.gaussians, all.active_voxels += inputs.active_voxels;
+        all.primitives_text +=
+            (all.primitives_text.empty() ? "" : " and ") + inputs.primitives_text;
+        all.notes.insert(all.notes.end(), inputs.notes.begin(), inputs.notes.end());
+    }
+    all.scene = scene_of_layers(std::move(scenes));
+    return all;
 }
 
 SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& request,

@@ -58,6 +58,10 @@ SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& 
 const ScalarField& scalar_field_of(const Fields& fields, const std::string& name,
                                    const std::string& input, Show show);
 
+/// Reads the data of each visible layer, whose field the request then names.
+SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& request,
+                        const RenderRanks& ranks);
+
 // For parts on several ranks (divided_scene.cpp).
 
 /// Reads the field of a text: "temperature", or "velocity.x" of a vector field; of volumes and maxima as one scalar field.

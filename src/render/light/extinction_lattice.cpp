@@ -199,7 +199,7 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
     device::MeanLight beside = mixed;
     beside.parts_per_cell =
         static_cast<float>(lattice.edge * lattice.cells / (device::kDepthCells * unit));
-    lattice.whole.resize(lattice.sum.size());
+    if (lattice.whole.empty()) lattice.whole = lattice.sum;
     vog::parallel_for(std::size_t{0}, lattice.sum.size(), [&](std::size_t n) {
         const double* of = &sums[4 * n];
         const MomentSums cell{of[0], of[1], of[2], of[3]};

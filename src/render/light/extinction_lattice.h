@@ -47,7 +47,7 @@ struct ExtinctionLattice {
 void add_extinction(const Gaussians& gaussians, const ScalarField& field,
                     const by_value::LightOfMoments& light, double unit, const Collective* processes,
                     ExtinctionLattice& lattice);
-/// Adds voxels of constant value.
+/// Adds voxels of constant value, to a lattice without models.
 /// field  scalar; without values the volume's own
 void add_extinction(const Volume& volume, const VoxelField& field, const ValueTransfer& transfer,
                     ExtinctionLattice& lattice);

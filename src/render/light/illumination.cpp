@@ -252,10 +252,19 @@ Illumination illumination(std::span<const Volume> volumes, std::span<const Voxel
         processes->max(faces);
         box = {{-faces[0], -faces[1], -faces[2]}, {faces[3], faces[4], faces[5]}};
     }
+    const auto add = [&](ExtinctionLattice& lattice) {
+        for (std::size_t n = 0; n < volumes.size(); ++n)
+            add_extinction(volumes[n], fields[n], transfer, lattice);
+        if (processes) processes->sum(lattice.sum);
+    };
+    return illumination(box, add, look, forward);
+}
+
+Illumination illumination(const Box& box, const std::function<void(ExtinctionLattice&)>& add,
+                          const VolumeLook& look, Vec3d forward) {
+    if (!is_absorbed(look)) return {};
     ExtinctionLattice lattice(box, kVoxelCells);
-    for (std::size_t n = 0; n < volumes.size(); ++n)
-        add_extinction(volumes[n], fields[n], transfer, lattice);
-    if (processes) processes->sum(lattice.sum);
+    add(lattice);
     lattice.clip(look.clip);
     return illumination(lattice, look, forward);
 }

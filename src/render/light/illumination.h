@@ -1,6 +1,7 @@
 // illumination.h: Light that reaches points of a volume, through what absorbs it on the way.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -80,6 +81,12 @@ class KeptIllumination {
 Illumination illumination(std::span<const Volume> volumes, std::span<const VoxelField> fields,
                           const ValueTransfer& transfer, const VolumeLook& look, Vec3d forward,
                           const Collective* processes);
+
+/// Of data that absorb each other's light: layers of a picture.
+/// box  holds all
+/// add  adds their extinction
+Illumination illumination(const Box& box, const std::function<void(ExtinctionLattice&)>& add,
+                          const VolumeLook& look, Vec3d forward);
 
 /// Optical depths from the centres of cells out of the lattice, by lines that step from layer to layer of cells, across the axis
 /// that the direction is longest along.

@@ -128,6 +128,22 @@ void color_map(Picture& picture) {
     picture.image = shade_map(colored.shown, picture.made.colors, colored.scale, request.shading);
 }
 
+/// Adds the title, and a colour bar for each visible layer.
+void mark_layers(Picture& picture) {
+    const ResolvedPicture& made = picture.made;
+    const Marks& marks = made.request.marks;
+    Annotation around{marks.title, {}, marks.color_bar};
+    for (std::size_t n = 0; n < made.layers.size(); ++n) {
+        if (!made.request.layers[n].visible) continue;
+        const ResolvedPicture& layer = made.layers[n];
+        around.label = quantity_label(Show::volume, layer.field.field, layer.unit);
+        picture.image = annotated(picture.image, bar_of(layer.chosen), layer.chosen.scale, around,
+                                  made.request.shading.background);
+        if (!marks.color_bar) return;
+        around.title.clear();
+    }
+}
+
 /// Draws the marks over and around the picture.
 void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) {
     const ResolvedPicture& made = picture.made;
@@ -141,6 +157,7 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
             background);
     if (!marks.color_bar && marks.title.empty()) return;
     const Show show = made.request.show;
+    if (!made.layers.empty()) return mark_layers(picture);
     const std::string label = show == Show::depth ? quantity_label(show, {}, made.unit)
                               : show == Show::volume
                                   ? quantity_label(show, made.field.field, made.unit)

@@ -1,6 +1,8 @@
 // picture_renderer.cpp: PictureRenderer: the renderer of a request, prepared for its scene.
 #include <algorithm>
+#include <deque>
 #include <map>
+#include <optional>
 
 #include "render/picture/source_renderer.h"
 #include "vog/clip.h"
@@ -22,47 +24,85 @@ struct Prepared {
     friend auto operator<=>(const Prepared&, const Prepared&) = default;
 };
 
+Prepared prepared_for(const RenderOptions& options) {
+    return {options.aabb_sigma, options.kappa, options.voxels.step_voxels,
+            options.voxels.interpolation};
+}
+
+/// A picture whose clip counts in every period of a model.
+ResolvedPicture of_period(ResolvedPicture picture, const Scene& scene) {
+    Clipping& clip = picture.request.options.clip;
+    if (!scene.has_voxels()) clip = inside_period(clip, *scene.model().model);
+    return picture;
+}
+
 }  // namespace
 
 struct PictureRenderer::State {
     Scene scene;
-    std::map<std::pair<Renderer, Prepared>, std::unique_ptr<SourceRenderer>> by;
-    DrawReport report;
+    std::map<std::pair<Renderer, Prepared>, std::unique_ptr<SourceRenderer>> by{};
+    std::vector<std::unique_ptr<SourceRenderer>> of_layers{};  ///< [Scene::layers]
+    std::optional<Prepared> layers_prepared{};                 ///< options of theirs
+    DrawReport report{};
 
     bool is_empty() const { return !scene.has_voxels() && scene.model().model->size() == 0; }
     bool several() const { return scene.collective && scene.collective->several(); }
 
-    std::unique_ptr<SourceRenderer> made(Renderer renderer, const RenderOptions& options) const {
+    std::unique_ptr<SourceRenderer> made(const Scene& of, Renderer renderer,
+                                         const RenderOptions& options) const {
         const Collective* processes = several() ? scene.collective : nullptr;
-        if (scene.has_voxels()) {
-            if (renderer == Renderer::optix) return gpu_voxel_pictures(scene.voxels());
+        if (of.has_voxels()) {
+            if (renderer == Renderer::optix) return gpu_voxel_pictures(of.voxels());
             std::vector<VoxelSource> sources;
-            for (const Source& source : scene.sources)
+            for (const Source& source : of.sources)
                 sources.push_back(std::get<VoxelSource>(source));
             return reference_pictures(std::move(sources), options, processes);
         }
         switch (renderer) {
             case Renderer::splat:
-                return splat_pictures(scene.model(), options, processes);
+                return splat_pictures(of.model(), options, processes);
             case Renderer::trace:
-                return trace_pictures(scene.model(), options);
+                return trace_pictures(of.model(), options);
             default:
-                return gpu_pictures(renderer, scene.model(), options);
+                return gpu_pictures(renderer, of.model(), options);
         }
     }
 
     /// The renderer of a request. Another one for other options replaces it.
     SourceRenderer& prepared(const PictureRequest& request) {
         const RenderOptions& options = request.options;
-        const std::pair key{*request.renderer,
-                            Prepared{options.aabb_sigma, options.kappa, options.voxels.step_voxels,
-                                     options.voxels.interpolation}};
+        const std::pair key{*request.renderer, prepared_for(options)};
         auto found = by.find(key);
         if (found == by.end()) {
             std::erase_if(by, [&](const auto& one) { return one.first.first == key.first; });
-            found = by.emplace(key, made(key.first, options)).first;
+            found = by.emplace(key, made(scene, key.first, options)).first;
         }
         return *found->second;
+    }
+
+    void draw_layers(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
+        const RenderOptions& options = picture.request.options;
+        if (layers_prepared != prepared_for(options)) {
+            of_layers.clear();
+            of_layers.resize(scene.layers.size());
+            layers_prepared = prepared_for(options);
+        }
+        std::vector<PreparedLayer> prepared;
+        std::deque<ResolvedPicture> inside;
+        std::vector<const ResolvedPicture*> resolved;
+        Box bounds;
+        for (std::size_t n = 0; n < scene.layers.size(); ++n) {
+            const Scene& layer = scene.layers[n];
+            if (layer.sources.empty() || !picture.request.layers[n].visible) continue;
+            if (!of_layers[n])
+                of_layers[n] = made(
+                    layer, layer.has_voxels() ? Renderer::reference : Renderer::splat, options);
+            resolved.push_back(&inside.emplace_back(of_period(picture.layers[n], layer)));
+            prepared.push_back(of_layers[n]->layer(inside.back()));
+            bounds.include(layer.has_voxels() ? layer.subject.box : view_box(*layer.model().model));
+        }
+        sums.width = picture.request.width, sums.height = picture.request.height;
+        sums.light = layered_picture(picture, prepared, resolved, bounds, progress).pixel;
     }
 
     void draw_joint(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
@@ -89,7 +129,7 @@ struct PictureRenderer::State {
 };
 
 PictureRenderer::PictureRenderer(Scene scene)
-    : state_(std::make_unique<State>(State{std::move(scene), {}, {}})) {}
+    : state_(std::make_unique<State>(State{.scene = std::move(scene)})) {}
 PictureRenderer::~PictureRenderer() = default;
 PictureRenderer::PictureRenderer(PictureRenderer&&) noexcept = default;
 PictureRenderer& PictureRenderer::operator=(PictureRenderer&&) noexcept = default;
@@ -98,21 +138,16 @@ const Scene& PictureRenderer::scene() const { return state_->scene; }
 const DrawReport& PictureRenderer::report() const { return state_->report; }
 
 void PictureRenderer::prepare(const ResolvedPicture& picture) {
-    if (!state_->is_empty()) state_->prepared(picture.request).prepare(picture);
+    if (!state_->is_empty() && picture.layers.empty())
+        state_->prepared(picture.request).prepare(picture);
 }
 
 void PictureRenderer::draw(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {
-    const Scene& scene = state_->scene;
-    const PictureRequest& request = picture.request;
-    validate(request.options.clip);
-    if (scene.has_voxels()) {
-        state_->draw_joint(picture, sums, progress);
-    } else {
-        ResolvedPicture inside = picture;
-        inside.request.options.clip = inside_period(request.options.clip, *scene.model().model);
-        state_->draw_joint(inside, sums, progress);
-    }
-    state_->report = state_->prepared(request).report;
+    validate(picture.request.options.clip);
+    state_->report = {};
+    if (!picture.layers.empty()) return state_->draw_layers(picture, sums, progress);
+    state_->draw_joint(of_period(picture, state_->scene), sums, progress);
+    state_->report = state_->prepared(picture.request).report;
 }
 
 Picture render(const Scene& scene, const PictureRequest& request) {

@@ -54,6 +54,11 @@ class ReferencePictures : public SourceRenderer {
                                       request.height, options, voxels_);
     }
 
+    PreparedLayer layer(const ResolvedPicture& picture) override {
+        return {nullptr, volumes(), values(sources_.front(), picture.field.field),
+                interpolation_of_values()};
+    }
+
   protected:
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
@@ -83,22 +88,26 @@ class ReferencePictures : public SourceRenderer {
                 const Progress& progress) override {
         const PictureRequest& request = picture.request;
         const VoxelSource& source = sources_.front();
-        const bool linear = voxels_.interpolation == Interpolation::linear;
-        if (linear && volumes().size() > 1)
-            throw Error(
-                fmt::format("{} volumes or parts of a mesh: linear interpolation in volume "
-                            "rendering works with one volume",
-                            volumes().size()));
-        if (linear && voxels_.step_voxels == 0)
-            throw RequestError("step", " 0: volume rendering takes samples, expected a step > 0");
         image = render_volume_reference(volumes(), values(source, picture.field.field),
                                         picture.chosen.transfer, picture.camera(), request.width,
                                         request.height, reference_options(request, progress),
-                                        look_of(picture), linear ? voxels_ : VoxelGridOptions{},
+                                        look_of(picture), interpolation_of_values(),
                                         {source.overlap, source.beside, source.beside_field});
     }
 
   private:
+    /// throws  vog::Error for several volumes, and a step of 0, with interpolation
+    VoxelGridOptions interpolation_of_values() const {
+        if (voxels_.interpolation == Interpolation::constant) return {};
+        if (volumes().size() > 1)
+            throw Error(
+                fmt::format("{} volumes or parts of a mesh: linear interpolation in volume "
+                            "rendering works with one volume",
+                            volumes().size()));
+        if (voxels_.step_voxels == 0)
+            throw RequestError("step", " 0: volume rendering takes samples, expected a step > 0");
+        return voxels_;
+    }
     std::span<const Volume> volumes() const { return sources_.front().volumes->volumes; }
     static std::span<const VoxelField> values(const VoxelSource& source, const std::string& field) {
         return std::ranges::find(source.fields, field, &SampledField::name)->values;

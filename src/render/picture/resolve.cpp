@@ -95,7 +95,53 @@ void choose_light(ResolvedPicture& picture, const Scene& scene) {
     picture.request.fit = *transfer.log ? ScaleFit::log : ScaleFit::linear;
 }
 
+/// The request of one layer.
+PictureRequest request_of(const Layer& layer, const PictureRequest& whole, bool of_voxels) {
+    PictureRequest request = whole;
+    request.layers.clear();
+    if (of_voxels) request.slabs.reset();
+    request.renderer.reset();
+    request.field = layer.field, request.transfer = layer.transfer, request.fit = layer.fit;
+    return request;
+}
+
+/// Each layer as a picture of its own, and the request that states them.
+void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
+    PictureRequest& request = picture.request;
+    if (scene.layers.size() != request.layers.size())
+        throw RequestError("layers", fmt::format(": {} for {} data sets", request.layers.size(),
+                                                 scene.layers.size()));
+    std::string names;
+    for (std::size_t n = 0; n < request.layers.size(); ++n) {
+        Layer& layer = request.layers[n];
+        ResolvedPicture& own = picture.layers.emplace_back();
+        if (!layer.visible) continue;
+        const Scene& data = scene.layers[n];
+        own = resolve(request_of(layer, request, data.has_voxels()), data);
+        layer.field = own.field.field;
+        layer.transfer = own.request.transfer, layer.fit = own.request.fit;
+        if (names.empty()) picture.field = own.field, picture.chosen = own.chosen;
+        names += (names.empty() ? "" : ", ") + field_label(own.field);
+    }
+    picture.name = "volume of " + names;
+}
+
 }  // namespace
+
+Scene scene_of_layers(std::vector<Scene> layers) {
+    Scene scene;
+    for (const Scene& layer : layers) {
+        if (layer.sources.empty()) continue;
+        if (scene.sources.empty())
+            scene = layer;
+        else
+            scene.subject.include(layer.subject);
+    }
+    if (scene.sources.empty())
+        throw RequestError("layers", " are all hidden, expected a visible one");
+    scene.layers = std::move(layers);
+    return scene;
+}
 
 Scene scene_of(std::shared_ptr<const Gaussians> model, std::shared_ptr<const Hierarchy> hierarchy) {
     Scene scene;
@@ -167,7 +213,11 @@ ValueData value_data(const Scene& scene, const std::string& field) {
 
 ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     ResolvedPicture picture;
-    const RenderInput input = !scene.has_voxels()                 ? RenderInput::gaussians
+    const bool models =
+        !scene.has_voxels() || std::ranges::any_of(scene.layers, [](const Scene& s) {
+            return !s.sources.empty() && !s.has_voxels();
+        });
+    const RenderInput input = models                              ? RenderInput::gaussians
                               : scene.voxels().volumes->is_mesh() ? RenderInput::levels
                                                                   : RenderInput::volumes;
     if (!request.renderer) request.renderer = renderer_for({}, input);
@@ -195,6 +245,11 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
         look.towards_light = studio_light(*request.camera);
     const Show show = request.show;
     const Units& units = scene.subject.content.units;
+    if (!request.layers.empty()) {
+        picture.request = std::move(request);
+        resolve_layers(picture, scene);
+        return picture;
+    }
     picture.name = show == Show::depth ? "T" : scene.column;
     std::string stated = show == Show::column ? unit_product(units.density, units.length) : "";
     if (is_field_map(show) || is_by_value(show)) {

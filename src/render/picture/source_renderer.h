@@ -8,9 +8,19 @@
 
 #include "render/by_value/volume_image.h"
 #include "render/gpu/sums/gpu_sums.h"
+#include "render/reference/reference.h"
+#include "render/splat/volume/volume_splat.h"
 #include "vog/picture.h"
 
 namespace vog::pictures {
+
+/// A layer of a volume picture, prepared.
+struct PreparedLayer {
+    SlabRenderer* model = nullptr;  ///< null: of voxels
+    std::span<const Volume> volumes{};
+    std::span<const VoxelField> field{};  ///< [volumes]
+    VoxelGridOptions voxels{};
+};
 
 /// Draws pictures of data that it prepares for the first one and keeps.
 class SourceRenderer {
@@ -59,6 +69,12 @@ class SourceRenderer {
     virtual FieldMaps fields(const ResolvedPicture& picture, const FieldChoice& choice,
                              const Progress& progress) = 0;
 
+    /// The data of a volume picture, as a layer of another one.
+    /// throws  vog::Error by a renderer that draws no layers
+    virtual PreparedLayer layer(const ResolvedPicture&) {
+        throw Error("layers are drawn by splat and reference");
+    }
+
     static void take(FieldMaps maps, Sums& sums) {
         sums.column = std::move(maps.column);
         sums.mean = std::move(maps.mean);
@@ -95,6 +111,14 @@ std::unique_ptr<SourceRenderer> reference_pictures(std::vector<VoxelSource> sour
                                                    const RenderOptions& options,
                                                    const Collective* processes);
 std::unique_ptr<SourceRenderer> gpu_voxel_pictures(const VoxelSource& source);
+
+/// The volume picture of several layers.
+/// picture    its request, clip included
+/// of_layers  resolved, each of its data
+/// bounds     box of all, world units
+VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const PreparedLayer> prepared,
+                            std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
+                            const Progress& progress);
 
 /// Maps of the parts of several processes, on the root: columns add, means and deviations by the columns.
 /// draw  maps of this process's part

@@ -32,6 +32,8 @@ class SplatPictures : public SourceRenderer {
                                   request.options.clip);
     }
 
+    PreparedLayer layer(const ResolvedPicture& picture) override { return {&slabs(picture)}; }
+
   protected:
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
@@ -57,19 +59,7 @@ class SplatPictures : public SourceRenderer {
     void volume(const ResolvedPicture& picture, VolumeImage& image,
                 const Progress& progress) override {
         const PictureRequest& request = picture.request;
-        SlabOptions options = slab_options(picture);
-        options.slabs = depth_slabs(request);
-        const ValueTransfer& transfer = picture.chosen.transfer;
-        // Made with the first transfer function, then kept for pictures under others.
-        Kept wanted{picture.field.field, options.slabs, options.look.light, options.look.clip};
-        if (slabs_ && kept_ == wanted) {
-            slabs_->set_transfer(transfer);
-            slabs_->set_light(options.look);
-        } else {
-            slabs_.emplace(model(), wanted.field, transfer, options);
-            kept_ = std::move(wanted);
-        }
-        slabs_->render(picture.camera(), request.width, request.height, image);
+        slabs(picture).render(picture.camera(), request.width, request.height, image);
         if (progress) progress(1);
     }
 
@@ -82,6 +72,22 @@ class SplatPictures : public SourceRenderer {
         Clipping clip{};
         friend bool operator==(const Kept&, const Kept&) = default;
     };
+
+    /// Made with the first transfer function, then kept for pictures under others.
+    SlabRenderer& slabs(const ResolvedPicture& picture) {
+        SlabOptions options = slab_options(picture);
+        options.slabs = depth_slabs(picture.request);
+        const ValueTransfer& transfer = picture.chosen.transfer;
+        Kept wanted{picture.field.field, options.slabs, options.look.light, options.look.clip};
+        if (slabs_ && kept_ == wanted) {
+            slabs_->set_transfer(transfer);
+            slabs_->set_light(options.look);
+        } else {
+            slabs_.emplace(model(), wanted.field, transfer, options);
+            kept_ = std::move(wanted);
+        }
+        return *slabs_;
+    }
 
     const Gaussians& model() const { return *source_.model; }
     SplatOptions splat_options(const PictureRequest& request) const {

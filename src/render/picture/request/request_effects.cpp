@@ -85,6 +85,7 @@ std::span<const RequestRule> request_rules() {
         {"light_from scattering", "shadows light=studio", "*"},
         {"tf range scale", "window", "-"},
         {"tf range scale window", "bands", "-"},
+        {"field tf range scale window bands threshold unit_distance", "layers", "-"},
         {"step", "interpolation", "linear"},
         {"hits_per_slab stop_transmittance", "anyhit", "collect"},
         {"pixel_error", "aabb_sigma", "-"},

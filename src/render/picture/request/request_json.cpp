@@ -102,6 +102,10 @@ void set_member(PictureRequest& request, const std::string& key,
     const requests::Entry& entry = requests::entry_of(key);
     if (key == "tf") {
         request.transfer.points = transfer_points(words.back());
+    } else if (key == "layers") {
+        request.layers.clear();
+        for (const std::string& word : words)
+            request.layers.push_back(requests::layer_of_words(word));
     } else if (entry.schema.many) {
         Json rows = Json::array();
         for (const std::string& word : words) rows.push_back(requests::words_value(word));

@@ -118,6 +118,10 @@ Values planes_values();
 Values size_values();
 Values renderer_values();
 Values camera_values();
+Values layers_values();  // request_layers.cpp
+/// A layer of a command line: "stars.ply,field=age,tf=inferno,range=0,1", where the file may be missing.
+/// throws  RequestError for words that are none of its values
+Layer layer_of_words(const std::string& text);
 /// Colours by their names in CSS: "black, white, ..."
 std::string color_names();
 

@@ -251,6 +251,19 @@ std::vector<Entry> volume_entries() {
           "volume maximum",
           "splat cuda optix"},
          open(VOG_MEMBER(slabs), {1, 1024, "1 to 1024"})},
+        {{"layers",
+          kVolume,
+          "[FILE,]KEY=VALUE,...",
+          "Field that is drawn together with those of other layers, in place of `field` and `tf`: "
+          "of FILE, otherwise of the input, with its own field, tf, range, scale, window, band, "
+          "iso, threshold and unit-distance: stars.ply,field=age,tf=inferno,range=0,1. Where "
+          "layers overlap, their extinctions add up; may be given again",
+          "",
+          {},
+          "volume",
+          "splat reference",
+          true},
+         layers_values()},
         {{"clip", kClip, "X0,Y0,Z0,X1,Y1,Z1",
           "Box of the world that counts, exact on every ray; a page or a window begins with it"},
          box_values()},

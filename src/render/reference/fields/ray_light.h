@@ -1,13 +1,19 @@
-// ray_light.h: Light along a ray from pieces of constant extinction and colour.
+// ray_light.h: Light along a ray from pieces of constant extinction and colour, and voxels as such pieces.
 #pragma once
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <span>
 #include <vector>
 
+#include "render/by_value/volume_image.h"
 #include "render/device/voxels/ray_sums.h"
+#include "render/light/illumination.h"
 #include "render/reference/hierarchical_dda.h"
+#include "render/reference/reference.h"
 #include "vog/value_transfer.h"
+#include "vog/voxel_field.h"
 
 namespace vog::reference {
 
@@ -19,6 +25,33 @@ struct LitPiece {
     Segment segment;
     ValueLight light;
 };
+
+/// A field at the voxels of volumes as pieces of light.
+class VoxelRays {
+  public:
+    /// volumes, fields  as of render_volume_reference; they must outlive this, as `reached` must
+    /// reached          light at points of the world
+    /// throws           vog::Error as render_volume_reference does
+    VoxelRays(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+              const ValueTransfer& transfer, const VolumeLook& look,
+              const lights::Illumination& reached, const VoxelGridOptions& voxels);
+    ~VoxelRays();
+    VoxelRays(VoxelRays&&) noexcept;
+    VoxelRays& operator=(VoxelRays&&) noexcept;
+
+    /// Appends the pieces on a ray, in any order.
+    void add(Vec3d origin, Vec3d direction, Segment within, std::vector<LitPiece>& pieces) const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The picture of several such, exactly: extinctions add up. Clips as of render_volume_reference.
+[[nodiscard]] VolumeImage render_layers_reference(std::span<const VoxelRays> layers,
+                                                  const Camera& camera, int width, int height,
+                                                  const ReferenceOptions& options,
+                                                  const VolumeLook& look);
 
 /// Composites the pieces of several volumes; where they overlap, extinctions add up.
 /// stretch  world units of one t

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "render/by_value/lighting.h"
 #include "render/by_value/value_pieces.h"
@@ -18,10 +19,9 @@
 #include "vog/error.h"
 #include "vog/volume_picture.h"
 
-namespace vog {
+namespace vog::reference {
 
 using namespace by_value;
-using namespace reference;
 
 namespace {
 
@@ -96,6 +96,28 @@ class VoxelLight {
     double edge_;
 };
 
+/// Appends the pieces of a ray.
+void add_pieces(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
+                const WorldRay& ray, Segment within, std::vector<LitPiece>& pieces) {
+    for (const FieldGrid& grid : grids)
+        grid.walk(ray.origin, ray.direction, within, [&](const FieldCell& cell) {
+            return lighting(grid, cell, ray, [&](Segment part, const ValueLight& of_part) {
+                if (of_part.extinction > 0 && !part.empty()) pieces.push_back({part, of_part});
+                return true;
+            });
+        });
+}
+void add_pieces(const LinearVolume& grid, const VoxelLight& lighting, const WorldRay& ray,
+                Segment within, std::vector<LitPiece>& pieces) {
+    grid.walk(ray.origin, ray.direction, within,
+              [&](const LinearVolume::Sample& sample, double t, double dt) {
+                  const ValueLight here = lighting(grid, sample, ray, t);
+                  const Segment part{t - 0.5 * dt, t + 0.5 * dt};
+                  if (here.extinction > 0 && !part.empty()) pieces.push_back({part, here});
+                  return true;
+              });
+}
+
 /// The light along one ray.
 Compositor light_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
                        const WorldRay& ray, Segment within) {
@@ -112,13 +134,7 @@ Compositor light_along(const std::vector<FieldGrid>& grids, const VoxelLight& li
     }
     thread_local std::vector<LitPiece> pieces;
     pieces.clear();
-    for (const FieldGrid& grid : grids)
-        grid.walk(ray.origin, ray.direction, within, [&](const FieldCell& cell) {
-            return lighting(grid, cell, ray, [&](Segment part, const ValueLight& of_part) {
-                if (of_part.extinction > 0 && !part.empty()) pieces.push_back({part, of_part});
-                return true;
-            });
-        });
+    add_pieces(grids, lighting, ray, within, pieces);
     composite(pieces, ray.stretch, light);
     return light;
 }
@@ -194,6 +210,14 @@ VolumeImage joint_picture(const Camera& camera, int width, int height,
     return image;
 }
 
+/// throws  vog::Error unless there is one volume, as interpolation needs
+const Volume& one_of(std::span<const Volume> volumes) {
+    if (volumes.size() == 1) return volumes[0];
+    throw Error(
+        fmt::format("reference: {} volumes, interpolated, in a picture by value, expected one",
+                    volumes.size()));
+}
+
 /// Averages rays over pixels.
 /// light_of(ray, within)  returns a Compositor
 template <class LightOf>
@@ -229,6 +253,54 @@ VolumeImage picture_of(const Camera& camera, int width, int height, const Refere
 }
 
 }  // namespace
+
+struct VoxelRays::State {
+    VoxelLight lighting;
+    std::vector<FieldGrid> grids;        ///< of constant voxels
+    std::optional<LinearVolume> linear;  ///< of interpolated ones
+};
+
+VoxelRays::VoxelRays(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+                     const ValueTransfer& transfer, const VolumeLook& look,
+                     const lights::Illumination& reached, const VoxelGridOptions& voxels) {
+    check_fields(volumes, fields, FieldPart::value);
+    state_ = std::make_unique<State>(State{VoxelLight(transfer, look, reached), {}, {}});
+    if (voxels.interpolation == Interpolation::constant)
+        state_->grids = field_grids(volumes, fields, FieldPart::value);
+    else
+        state_->linear.emplace(one_of(volumes), fields.front(), voxels);
+}
+VoxelRays::~VoxelRays() = default;
+VoxelRays::VoxelRays(VoxelRays&&) noexcept = default;
+VoxelRays& VoxelRays::operator=(VoxelRays&&) noexcept = default;
+
+void VoxelRays::add(Vec3d origin, Vec3d direction, Segment within,
+                    std::vector<LitPiece>& pieces) const {
+    const WorldRay ray(origin, direction);
+    state_->linear ? add_pieces(*state_->linear, state_->lighting, ray, within, pieces)
+                   : add_pieces(state_->grids, state_->lighting, ray, within, pieces);
+}
+
+VolumeImage render_layers_reference(std::span<const VoxelRays> layers, const Camera& camera,
+                                    int width, int height, const ReferenceOptions& options,
+                                    const VolumeLook& look) {
+    return picture_of(camera, width, height, options, look.clip,
+                      [&](const WorldRay& ray, Segment within) {
+                          thread_local std::vector<LitPiece> pieces;
+                          pieces.clear();
+                          for (const VoxelRays& layer : layers)
+                              layer.add(ray.origin, ray.direction, within, pieces);
+                          Compositor light;
+                          composite(pieces, ray.stretch, light);
+                          return light;
+                      });
+}
+
+}  // namespace vog::reference
+
+namespace vog {
+
+using namespace reference;
 
 VolumeImage render_volume_reference(std::span<const Volume> volumes,
                                     std::span<const VoxelField> fields,
@@ -268,11 +340,7 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
     }
     if (voxels.interpolation == Interpolation::constant)
         return drawn(field_grids(volumes, fields, FieldPart::value));
-    if (volumes.size() != 1)
-        throw Error(
-            fmt::format("reference: {} volumes, interpolated, in a picture by value, expected one",
-                        volumes.size()));
-    return drawn(LinearVolume(volumes[0], fields[0], voxels));
+    return drawn(LinearVolume(one_of(volumes), fields[0], voxels));
 }
 
 }  // namespace vog

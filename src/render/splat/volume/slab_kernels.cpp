@@ -31,11 +31,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "render/splat/volume/slab_finish-inl.h"
 
+#include "render/splat/volume/slab_layers-inl.h"
+
 #include "render/splat/volume/slab_rows-inl.h"
 
 template <class Tags>
 const SlabKernels& kernels_of() {
-    static const SlabKernels kernels{sum_cell<Tags>, draw_cell<Tags>, composite_cell<Tags>};
+    static const SlabKernels kernels{sum_cell<Tags>, draw_cell<Tags>, composite_cell<Tags>,
+                                     composite_layers<Tags>};
     return kernels;
 }
 /// The kernels of this target if it is `target`, else null.

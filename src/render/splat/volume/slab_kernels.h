@@ -143,6 +143,12 @@ struct SlabLight {
     float depth = 0;  ///< of depth 0 of SlabDepths, from the eye, world units
 };
 
+/// A layer in a cell of a picture: sums of a model and what makes light of them, or optical depths and colours times them.
+struct LayerCell {
+    SlabCell* cell = nullptr;
+    const SlabLight* light = nullptr;  ///< null: channels are red, green, blue and tau
+};
+
 /// The loops for one SIMD target.
 struct SlabKernels {
     /// Adds all splats.
@@ -152,6 +158,9 @@ struct SlabKernels {
     void (*draw)(const CellSplats& splats, const SlabLight& light, SlabCell& cell);
     /// Composites sums.
     void (*composite)(const SlabLight& light, SlabCell& cell);
+    /// Composites cells of one place under the same depths.
+    /// seen  receives premultiplied colour and transmittance
+    void (*composite_layers)(std::span<const LayerCell> layers, std::array<CellPixels, 4>& seen);
 };
 /// Those of the same target as `kernels`.
 const SlabKernels& slab_kernels(const SplatKernels& kernels);

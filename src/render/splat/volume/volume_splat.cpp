@@ -65,17 +65,30 @@ struct SlabModel {
     KeptSums kept;
     std::optional<View> kept_view;  ///< that `kept` holds whole
     lights::KeptIllumination reached;
+    const lights::Illumination* joint = nullptr;  ///< of all layers of a picture, in its place
+    // Of the picture in progress.
+    CameraFrame frame;
+    Clipping clip;
+    std::optional<SlabView> slab_view;
+    std::optional<SlabPicture> drawn;
+    std::optional<SlabLight> finish;
 
     SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options,
               int channels);
     SlabModel(const SlabModel&) = delete;
     SlabModel& operator=(const SlabModel&) = delete;
 
-    /// light  null: draws the maximum
+    /// Places the model in a picture.
+    /// light    null: draws the maximum
+    /// returns  whether there are any Gaussians
+    bool begin(const LightOfMoments* light, const Camera& camera, int width, int height);
+    /// Projects and bins them.
+    /// returns  range of their depths, from the view's
+    DepthRange project();
     void draw(const LightOfMoments* light, const Camera& camera, int width, int height,
               VolumeImage& picture);
     /// Light that reaches the slabs of a picture.
-    void set_reached(const LightOfMoments& of, const SlabView& view, SlabLight& light);
+    void set_reached(const LightOfMoments& of, SlabLight& light);
     /// Sums to draw a picture from, or to keep them in, once edits follow one another under one view.
     KeptSums* sums_for(const View& view);
     double length() const { return std::max(view_box(*gaussians).radius(), 1e-300); }
@@ -122,75 +135,85 @@ KeptSums* SlabModel::sums_for(const View& view) {
     return kept.complete() ? &kept : nullptr;
 }
 
-void SlabModel::set_reached(const LightOfMoments& of, const SlabView& view, SlabLight& light) {
-    reached.update(edits, {*gaussians, *field, of, model.unit, processes}, look,
-                   view.frame.forward);
-    light.lattice = (*reached).lattice(gaussians->origin);
+void SlabModel::set_reached(const LightOfMoments& of, SlabLight& light) {
+    if (!joint)
+        reached.update(edits, {*gaussians, *field, of, model.unit, processes}, look, frame.forward);
+    light.lattice = (joint ? *joint : *reached).lattice(gaussians->origin);
     const auto cells = [&](Vec3d v) {
         const Vec3f c = vec_cast<float>(light.lattice.per_edge * v);
         return device::Float3{c.x, c.y, c.z};
     };
     const device::Double3& first = light.lattice.first;
-    const CameraFrame& frame = view.frame;
-    light.middle = cells(frame.eye + view.depth * frame.forward - Vec3d{first.x, first.y, first.z});
+    light.middle =
+        cells(frame.eye + slab_view->depth * frame.forward - Vec3d{first.x, first.y, first.z});
     light.right = cells(frame.right), light.down = cells(-frame.up);
     light.forward = cells(frame.forward);
-    light.depth = static_cast<float>(view.depth);
+    light.depth = static_cast<float>(slab_view->depth);
 }
 
-void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
-                     VolumeImage& picture) {
-    const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians->origin);
+bool SlabModel::begin(const LightOfMoments* light, const Camera& camera, int width, int height) {
+    frame = relative_to(frame_of(camera, width, height), gaussians->origin);
     if (width > kMaxSide || height > kMaxSide)
         throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
                                 height, kMaxSide));
-    picture.width = width, picture.height = height;
-    picture.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     std::size_t size = gaussians->size();  // of all parts
     const double depth =
         processes  ? middle_depth(*gaussians, frame, *processes, size)
         : size > 0 ? dot(vec_cast<double>(gaussians->mean[size / 2]) - frame.eye, frame.forward)
                    : 0;
-    if (size == 0) {
-        std::ranges::fill(picture.pixel, Rgba{0, 0, 0, 0});
-        return;
-    }
-    const Clipping clip = relative_to(look.clip, gaussians->origin);
+    if (size == 0) return false;
+    clip = relative_to(look.clip, gaussians->origin);
     double radius[1] = {length()};
     if (processes) processes->max(radius);
-    const SlabView view{
-        *gaussians, *field, range, frame, clip, double{model.cutoff}, model.limits.variance,
-        radius[0],  depth};
-    const std::size_t most = TileBins::most_splats(width, height), own = gaussians->size();
-    batches.resize(std::max<std::size_t>((own + most - 1) / most, 1));
-    SlabPicture drawn{view, *kernels, polynomials, batches};
-    drawn.unit = model.unit;
-    std::optional<SlabLight> finish;
-    if (light) {
-        drawn.light =
-            &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
-        set_reached(*light, view, *finish);
-    }
-    if (light && !processes) drawn.kept = sums_for({camera, width, height});
-    if (kept_view && drawn.kept) {
-        drawn.depths = kept.depths();
-        return drawn.draw_kept(buffers, picture.pixel.data());
-    }
+    slab_view.emplace(SlabView{*gaussians, *field, range, frame, clip, double{model.cutoff},
+                               model.limits.variance, radius[0], depth});
+    const std::size_t most = TileBins::most_splats(width, height);
+    batches.resize(std::max<std::size_t>((gaussians->size() + most - 1) / most, 1));
+    drawn.emplace(SlabPicture{*slab_view, *kernels, polynomials, batches});
+    drawn->unit = model.unit;
+    finish.reset();
+    if (!light) return true;
+    drawn->light =
+        &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
+    set_reached(*light, *finish);
+    return true;
+}
+
+DepthRange SlabModel::project() {
+    const std::size_t own = gaussians->size();
+    const std::size_t most = TileBins::most_splats(frame.width, frame.height);
     ++drawn_pictures;
     DepthRange depths = kNoDepths;
     for (std::size_t n = 0; n < batches.size(); ++n)
-        depths.include(drawn.project(model, batches[n], n * most, std::min((n + 1) * most, own)));
+        depths.include(drawn->project(model, batches[n], n * most, std::min((n + 1) * most, own)));
+    return depths;
+}
+
+void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
+                     VolumeImage& picture) {
+    picture.width = width, picture.height = height;
+    picture.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    if (!begin(light, camera, width, height)) {
+        std::ranges::fill(picture.pixel, Rgba{0, 0, 0, 0});
+        return;
+    }
+    if (light && !processes) drawn->kept = sums_for({camera, width, height});
+    if (kept_view && drawn->kept) {
+        drawn->depths = kept.depths();
+        return drawn->draw_kept(buffers, picture.pixel.data());
+    }
+    DepthRange depths = project();
     if (processes) depths = joint_depths(depths, *processes);
-    if (!depths.empty()) drawn.depths = slab_depths(depths, slabs);
-    drawn.most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
-                                          double{drawn.depths.thickness});
-    if (processes) return draw_parts(drawn, buffers, *processes, picture.pixel.data());
+    if (!depths.empty()) drawn->depths = slab_depths(depths, slabs);
+    drawn->most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
+                                           double{drawn->depths.thickness});
+    if (processes) return draw_parts(*drawn, buffers, *processes, picture.pixel.data());
     const TileBins& bins = batches.front().splats.bins;
-    if (drawn.kept) kept.begin(bins.tiles(), drawn.depths);
+    if (drawn->kept) kept.begin(bins.tiles(), drawn->depths);
     struct Nothing {};
     draw_tiles<Nothing>(
-        bins, [&](int t, Nothing) { drawn.draw_tile(t, buffers.local(), picture.pixel.data()); });
-    if (!drawn.kept) return;
+        bins, [&](int t, Nothing) { drawn->draw_tile(t, buffers.local(), picture.pixel.data()); });
+    if (!drawn->kept) return;
     if (!kept.complete()) kept.begin(0, {});
     kept_view = {camera, width, height};
 }
@@ -236,6 +259,45 @@ void SlabRenderer::set_light(const VolumeLook& look) {
 void SlabRenderer::render(const Camera& camera, int width, int height, VolumeImage& picture) {
     state_->slabs.draw(&state_->light, camera, width, height, picture);
 }
+bool SlabRenderer::begin(const Camera& camera, int width, int height,
+                         const lights::Illumination& reached, splat::DepthRange& depths) {
+    SlabModel& slabs = state_->slabs;
+    slabs.joint = &reached;
+    if (!slabs.begin(&state_->light, camera, width, height)) return false;
+    const DepthRange own = slabs.project();
+    if (own.empty()) return false;
+    const auto from_eye = static_cast<float>(slabs.slab_view->depth);
+    depths.include({own.near + from_eye, own.far + from_eye});
+    return true;
+}
+void SlabRenderer::set_depths(const splat::SlabDepths& depths) {
+    SlabModel& slabs = state_->slabs;
+    slabs.drawn->depths = {static_cast<float>(double{depths.first} - slabs.slab_view->depth),
+                           depths.thickness};
+}
+bool SlabRenderer::begin_tile(int t) {
+    SlabModel& slabs = state_->slabs;
+    SlabBuffers& own = slabs.buffers.local();
+    const bool any = slabs.drawn->find(t, own);
+    if (any) slabs.drawn->divide(t, own);
+    return any;
+}
+splat::LayerCell SlabRenderer::sum_cell(int t, int n) {
+    SlabModel& slabs = state_->slabs;
+    SlabBuffers& own = slabs.buffers.local();
+    if (!slabs.drawn->begin_cell(t, n, own)) return {};
+    slabs.drawn->sum_cell(own);
+    return {&own.cell, slabs.drawn->light};
+}
+void SlabRenderer::add_extinction(lights::ExtinctionLattice& lattice) const {
+    const SlabModel& slabs = state_->slabs;
+    lights::add_extinction(*slabs.gaussians, *slabs.field, state_->light, slabs.model.unit, nullptr,
+                           lattice);
+}
+const splat::SlabKernels& SlabRenderer::kernels() const {
+    return slab_kernels(*state_->slabs.kernels);
+}
+
 int SlabRenderer::drawn() const { return state_->slabs.drawn_pictures; }
 
 VolumeImage SlabRenderer::render(const Camera& camera, int width, int height) {

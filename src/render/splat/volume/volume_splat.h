@@ -5,6 +5,8 @@
 #include <string>
 
 #include "render/by_value/volume_image.h"
+#include "render/light/illumination.h"
+#include "render/splat/volume/slab_splats.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/quantity.h"
@@ -53,6 +55,25 @@ class SlabRenderer {
     ///          transfer function or light keeps its sums, 1 GB at most; further ones of the view draw no Gaussians.
     void render(const Camera& camera, int width, int height, VolumeImage& picture);
     [[nodiscard]] VolumeImage render(const Camera& camera, int width, int height);
+
+    // A layer of a picture (render/layers): begin(), set_depths(), then tiles, each with its cells, in any thread.
+
+    /// Projects the model. Its light is what `reached` has, which must outlive the picture.
+    /// depths   receives those of the model, too, from the eye
+    /// returns  whether any Gaussian is in the picture
+    bool begin(const Camera& camera, int width, int height, const lights::Illumination& reached,
+               splat::DepthRange& depths);
+    /// depths  from the eye, of as many slabs as the renderer has
+    void set_depths(const splat::SlabDepths& depths);
+    /// returns  whether any Gaussian is in the tile
+    bool begin_tile(int t);
+    /// Sums of a cell of the thread's tile; the caller clears them.
+    /// returns  no cell where nothing is
+    splat::LayerCell sum_cell(int t, int n);
+    /// Adds the model's extinction under its transfer function.
+    void add_extinction(lights::ExtinctionLattice& lattice) const;
+    const splat::SlabKernels& kernels() const;
+
     /// Pictures whose Gaussians were drawn; the others came from kept sums.
     int drawn() const;
 

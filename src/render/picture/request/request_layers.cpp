@@ -1,0 +1,117 @@
+// request_layers.cpp: layers of a request, in JSON and as words of a command line.
+#include "render/picture/request/request_effects.h"
+#include "render/picture/request/request_member.h"
+#include "vog/picture_record.h"
+#include "vog/text.h"
+
+namespace vog::requests {
+
+namespace {
+
+/// Members of requests that a layer has, too.
+constexpr const char* kKeys[] = {"field",  "tf",    "range",     "scale",
+                                 "window", "bands", "threshold", "unit_distance"};
+
+bool is_key(const std::string& key) { return std::ranges::count(kKeys, key) > 0; }
+
+/// others  further keys
+[[noreturn]] void refuse_key(const std::string& key, const char* others) {
+    throw RequestError("layers", fmt::format(" '{}': expected {}, {}", printable(key, 40), others,
+                                             fmt::join(kKeys, ", ")));
+}
+
+/// A layer as a request of its own.
+PictureRequest request_of(const Layer& layer) {
+    PictureRequest request;
+    request.show = Show::volume;
+    request.field = layer.field, request.transfer = layer.transfer, request.fit = layer.fit;
+    return request;
+}
+/// throws  RequestError for members without effect beside each other
+void set(Layer& layer, PictureRequest request) {
+    require_effects(request);
+    layer.field = std::move(request.field), layer.transfer = std::move(request.transfer);
+    layer.fit = request.fit;
+}
+
+Json layer_json(const Layer& layer) {
+    const PictureRequest request = request_of(layer), unset = request_of({});
+    Json json = {{"input", layer.input}};
+    if (!layer.visible) json["visible"] = false;
+    for (const char* key : kKeys) {
+        const Values& values = entry_of(key).values;
+        if (Json value = values.write(request); value != values.write(unset))
+            json[key] = std::move(value);
+    }
+    return json;
+}
+
+Layer layer_of(const Json& json) {
+    if (!json.is_object()) refuse("layers", json, "an object for each layer");
+    Layer layer;
+    PictureRequest request = request_of({});
+    for (const auto& [key, value] : json.items()) {
+        if (key == "input")
+            layer.input = checked<std::size_t>("layers", value, {0, 1e6, "an input, from 0"});
+        else if (key == "visible")
+            layer.visible = checked<bool>("layers", value, {});
+        else if (!is_key(key))
+            refuse_key(key, "input, visible");
+        else if (!value.is_null())
+            entry_of(key).values.read(key, value, request);
+    }
+    set(layer, std::move(request));
+    return layer;
+}
+
+}  // namespace
+
+Values layers_values() {
+    return {[](const PictureRequest& r) {
+                Json rows;
+                for (const Layer& layer : r.layers) rows.push_back(layer_json(layer));
+                return rows;
+            },
+            [](const std::string& key, const Json& value, PictureRequest& r) {
+                r.layers.clear();
+                if (value.is_null()) return;
+                if (!value.is_array() || value.empty()) refuse(key, value, "a list of layers");
+                for (const Json& row : value) r.layers.push_back(layer_of(row));
+            }};
+}
+
+Layer layer_of_words(const std::string& text) try {
+    Layer layer;
+    std::vector<std::pair<std::string, std::string>> members;
+    for (std::size_t at = 0, comma = 0; comma != text.npos; at = comma + 1) {
+        comma = text.find(',', at);
+        const std::string word = text.substr(at, comma - at);
+        const bool has_value = word.find('=') != word.npos;
+        std::string key = word.substr(0, word.find('='));
+        std::ranges::replace(key, '-', '_');
+        if (key == "band" || key == "iso") key = "bands";
+        if (has_value) {
+            if (!is_key(key)) refuse_key(key, "band, iso");
+            members.emplace_back(key, word.substr(word.find('=') + 1));
+        } else if (!members.empty()) {
+            members.back().second += "," + word;
+        } else if (at == 0) {
+            layer.file = word;
+        } else {
+            refuse_key(word, "band, iso");
+        }
+    }
+    PictureRequest request = request_of({});
+    std::vector<std::string> bands;
+    for (const auto& [key, value] : members)
+        key == "bands" ? bands.push_back(value) : set_member(request, key, {value});
+    if (!bands.empty()) set_member(request, "bands", bands);
+    set(layer, std::move(request));
+    return layer;
+} catch (const RequestError& error) {
+    if (error.member() == "layers") throw;
+    throw RequestError("layers",
+                       fmt::format(" {}: {}{}", printable(text, 80), error.member(), error.text()));
+}
+
+}  // namespace vog::requests

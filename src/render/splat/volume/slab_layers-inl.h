@@ -1,0 +1,89 @@
+// slab_layers-inl.h: Slabs of several layers to one picture: in each slab optical depths add up, and colours by them.
+// Included once per SIMD target by slab_kernels.cpp, after slab_finish-inl.h.
+
+/// Adds the optical depth of one slab of a model, and colours times it.
+/// sums  red, green, blue, tau
+template <class D>
+void add_slab(D d, const SlabLight& light, int slab, CellView& view, SlabCell& cell,
+              const CellPixels& passed, std::array<CellPixels, 4>& sums) {
+    using V = hn::Vec<D>;
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), least = hn::Set(d, 1e-30f);
+    const auto visible_at = [&](std::size_t n) {
+        return hn::Ge(hn::Load(d, passed.data() + n), hn::Set(d, kDarkTransmittance));
+    };
+    // Light of the slab alone, where layers before let any pass.
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        for (std::size_t c = 0; c < 3; ++c) hn::Store(zero, d, cell.seen[c].data() + n);
+        hn::Store(hn::IfThenElseZero(visible_at(n), one), d, cell.seen[3].data() + n);
+    }
+    composite_slab(d, light, slab, view, cell);
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        const V through = hn::Load(d, cell.seen[3].data() + n), absorbed = hn::Sub(one, through);
+        const auto some = hn::And(hn::Gt(absorbed, zero), visible_at(n));
+        if (hn::AllFalse(d, some)) continue;
+        const V tau = hn::IfThenElseZero(some, hn::Neg(hn::Log(d, hn::Max(through, least))));
+        const V per = hn::Div(tau, hn::Max(absorbed, least));
+        for (std::size_t c = 0; c < 3; ++c) {
+            float* sum = sums[c].data() + n;
+            hn::Store(hn::MulAdd(per, hn::Load(d, cell.seen[c].data() + n), hn::Load(d, sum)), d,
+                      sum);
+        }
+        float* sum = sums[3].data() + n;
+        hn::Store(hn::Add(tau, hn::Load(d, sum)), d, sum);
+    }
+}
+
+/// Composites the sums of a slab behind those before.
+/// returns  whether all pixels are dark
+template <class D>
+bool composite_sums(D d, const std::array<CellPixels, 4>& sums, std::array<CellPixels, 4>& seen) {
+    using V = hn::Vec<D>;
+    const V one = hn::Set(d, 1.0f), dark = hn::Set(d, kDarkTransmittance);
+    bool hidden = true;
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        const V tau = hn::Load(d, sums[3].data() + n), before = hn::Load(d, seen[3].data() + n);
+        // 1 - e^{-tau}, by a series where the difference cancels
+        const V series = hn::Mul(tau, hn::MulAdd(tau, hn::Set(d, -0.5f), one));
+        const V absorbed = hn::IfThenElse(hn::Lt(tau, hn::Set(d, 1e-3f)), series,
+                                          hn::Sub(one, hn::Exp(d, hn::Neg(tau))));
+        const V weight = hn::Mul(before, hn::Div(absorbed, hn::Max(tau, hn::Set(d, 1e-30f))));
+        for (std::size_t c = 0; c < 3; ++c) {
+            float* to = seen[c].data() + n;
+            hn::Store(hn::MulAdd(weight, hn::Load(d, sums[c].data() + n), hn::Load(d, to)), d, to);
+        }
+        const V through = hn::NegMulAdd(before, absorbed, before);
+        hn::Store(through, d, seen[3].data() + n);
+        hidden = hidden && hn::AllTrue(d, hn::Lt(through, dark));
+    }
+    return hidden;
+}
+
+template <class Tags>
+void composite_layers(std::span<const LayerCell> layers, std::array<CellPixels, 4>& seen) {
+    const typename Tags::Floats d;
+    std::vector<CellView> views(layers.size());
+    int lowest = kMostSlabs, highest = -1;
+    for (std::size_t n = 0; n < layers.size(); ++n) {
+        SlabCell& cell = *layers[n].cell;
+        lowest = std::min(lowest, cell.lowest), highest = std::max(highest, cell.highest);
+        if (layers[n].light) begin_cell(d, layers[n].light->frame, cell, views[n]);
+    }
+    seen = {};
+    seen[3].fill(1);
+    alignas(64) std::array<CellPixels, 4> sums;
+    for (int slab = lowest; slab <= highest; ++slab) {
+        sums = {};
+        for (std::size_t n = 0; n < layers.size(); ++n) {
+            SlabCell& cell = *layers[n].cell;
+            if (slab < cell.lowest || slab > cell.highest) continue;
+            if (layers[n].light) {
+                add_slab(d, *layers[n].light, slab, views[n], cell, seen[3], sums);
+                continue;
+            }
+            for (std::size_t c = 0; c < 4; ++c)
+                for (std::size_t p = 0; p < kCellPixels; ++p)
+                    sums[c][p] += cell.slab(slab)[c].pixel[p];
+        }
+        if (composite_sums(d, sums, seen)) return;
+    }
+}

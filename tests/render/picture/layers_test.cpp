@@ -1,0 +1,230 @@
+// layers_test.cpp: volume pictures of several layers, against closed forms and against pictures of one layer.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "support/field_models.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
+#include "vog/error.h"
+#include "vog/picture.h"
+#include "vog/picture_record.h"
+#include "vog/request_schema.h"
+
+namespace vog::test {
+
+namespace {
+
+/// A cube of 8^3 voxels of one value.
+/// lower  corner, world units
+vog::Scene cube(Vec3d lower, double edge, float value) {
+    Volume volume;
+    volume.name = "density";
+    const double voxel = edge / 8;
+    volume.world_from_index = {{{Vec3d{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}},
+                               lower + Vec3d{voxel / 2, voxel / 2, voxel / 2}};
+    Leaf& leaf = volume.leaves.emplace_back();
+    for (int v = 0; v < kLeafVoxels; ++v) leaf.set(v, value);
+    return scene_of(std::move(volume));
+}
+
+/// Gaussians around a point, each with one value.
+vog::Scene blob(Vec3d at, float value, std::uint64_t seed) {
+    Gaussians model = random_gaussians(20, 0.1, 0.2, seed);
+    Random random(seed);
+    for (Vec3f& mean : model.mean)
+        mean = vec_cast<float>(at + 0.2 * Vec3d{random(-1, 1), random(-1, 1), random(-1, 1)});
+    ScalarField& field = model.fields.scalar.emplace_back();
+    field.name = "heat", field.lower = 0, field.upper = 10;
+    field.value.assign(model.size(), value);
+    field.gradient.assign(model.size(), {});
+    field.deviation.assign(model.size(), 0);
+    field.skewness.assign(model.size(), 0);
+    return scene_of(std::move(model));
+}
+
+/// Values of a colour and an opacity over a unit of length.
+Layer layer_of(std::array<float, 3> color, double opacity, const std::string& field = {}) {
+    Layer layer;
+    layer.field = field;
+    layer.transfer.bands = {{-1e3, 1e3, color[0], color[1], color[2], opacity}};
+    layer.transfer.unit_distance = 1;
+    return layer;
+}
+
+/// Along -z, parallel rays through the middles of 32^2 pixels over 2 units.
+PictureRequest request_of(std::vector<Layer> layers) {
+    PictureRequest request;
+    request.show = Show::volume;
+    request.layers = std::move(layers);
+    Camera camera;
+    camera.eye = {0, 0, 5}, camera.look_at = {0, 0, 0}, camera.orthographic_width = 2;
+    request.camera = camera;
+    request.width = request.height = 32;
+    return request;
+}
+std::vector<Rgba> light_of(std::vector<vog::Scene> scenes, const PictureRequest& request) {
+    return render(scene_of_layers(std::move(scenes)), request).sums.light;
+}
+std::vector<Rgba> alone(const vog::Scene& scene, const Layer& layer) {
+    PictureRequest request = request_of({});
+    request.field = layer.field, request.transfer = layer.transfer;
+    return render(scene, request).sums.light;
+}
+
+double largest_difference(const std::vector<Rgba>& a, const std::vector<Rgba>& b) {
+    double most = a.size() == b.size() ? 0 : HUGE_VAL;
+    for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n)
+        for (const auto part : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
+            most = std::max(most, std::abs(double{a[n].*part} - double{b[n].*part}));
+    return most;
+}
+/// The first picture in front of the second.
+std::vector<Rgba> in_front(const std::vector<Rgba>& near, const std::vector<Rgba>& far) {
+    std::vector<Rgba> all = near;
+    for (std::size_t n = 0; n < all.size(); ++n)
+        for (const auto part : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
+            all[n].*part += (1 - near[n].a) * far[n].*part;
+    return all;
+}
+
+constexpr std::array<float, 3> kRed{1, 0, 0}, kBlue{0, 0, 1}, kGreen{0, 0.5f, 0.25f};
+
+}  // namespace
+
+TEST(layers, of_voxels_add_up_where_they_overlap) {
+    // From front to back: half a unit of red, half a unit of both, half a unit of blue.
+    const std::vector<Rgba> light =
+        light_of({cube({-0.5, -0.5, -0.5}, 1, 3), cube({-0.5, -0.5, 0}, 1, 5)},
+                 request_of({layer_of(kBlue, 0.3), layer_of(kRed, 0.6)}));
+    const double red = -std::log(0.4), blue = -std::log(0.7);
+    double passed = 1, seen_red = 0, seen_blue = 0;
+    for (const auto& [r, b] : {std::pair{red, 0.0}, {red, blue}, {0.0, blue}}) {
+        const double through = std::exp(-0.5 * (r + b)), part = passed * (1 - through) / (r + b);
+        seen_red += part * r, seen_blue += part * b;
+        passed *= through;
+    }
+    const Rgba middle = light[16 * 32 + 16];
+    EXPECT_NEAR(middle.r, seen_red, 1e-6);
+    EXPECT_NEAR(middle.b, seen_blue, 1e-6);
+    EXPECT_NEAR(middle.a, 1 - passed, 1e-6);
+    EXPECT_EQ(light[0], (Rgba{0, 0, 0, 0}));
+}
+
+TEST(layers, one_alone_is_its_own_picture) {
+    const Layer layer = layer_of(kGreen, 0.7), heat = layer_of(kRed, 0.7, "heat");
+    const vog::Scene voxels = cube({-0.7, -0.4, -0.5}, 1, 3), model = blob({}, 4, 3);
+    EXPECT_LT(largest_difference(light_of({voxels}, request_of({layer})), alone(voxels, layer)),
+              1e-6);
+    // Sums of slabs in floats, and their logarithms.
+    EXPECT_LT(largest_difference(light_of({model}, request_of({heat})), alone(model, heat)), 2e-5);
+}
+
+TEST(layers, twice_the_same_is_twice_the_extinction) {
+    const vog::Scene model = blob({}, 4, 3);
+    Layer once = layer_of(kRed, 0.5, "heat"), dense = once;
+    dense.transfer.unit_distance = 0.5;
+    EXPECT_LT(
+        largest_difference(light_of({model, model}, request_of({once, once})), alone(model, dense)),
+        5e-5);
+}
+
+TEST(layers, have_no_order) {
+    const vog::Scene model = blob({0.1, 0, 0.1}, 4, 3), other = blob({}, 6, 5),
+                     voxels = cube({-0.6, -0.6, -0.6}, 1, 3);
+    const Layer a = layer_of(kRed, 0.8, "heat"), b = layer_of(kBlue, 0.9, "heat"),
+                c = layer_of(kGreen, 0.4);
+    EXPECT_LT(largest_difference(light_of({model, other, voxels}, request_of({a, b, c})),
+                                 light_of({voxels, other, model}, request_of({c, b, a}))),
+              1e-6);
+}
+
+TEST(layers, voxels_and_models_hide_each_other) {
+    const Layer solid = layer_of(kGreen, 0.8), heat = layer_of(kRed, 0.9, "heat");
+    const vog::Scene voxels = cube({-0.5, -0.5, -0.5}, 1, 3);
+    for (const double z : {-2.0, 2.0}) {
+        const vog::Scene model = blob({0.2, 0.1, z}, 4, 3);
+        const std::vector<Rgba> own = alone(voxels, solid), other = alone(model, heat);
+        PictureRequest request = request_of({solid, heat});
+        request.slabs = 256;
+        EXPECT_LT(largest_difference(light_of({voxels, model}, request),
+                                     z > 0 ? in_front(other, own) : in_front(own, other)),
+                  5e-3)
+            << z;  // one of 256 slabs may hold parts of both
+        EXPECT_GT(largest_difference(own, in_front(other, own)), 0.1);
+    }
+}
+
+TEST(layers, shadow_each_other) {
+    const vog::Scene floor = cube({-0.5, -1.5, -0.5}, 1, 3), roof = blob({0, 0.8, 0}, 4, 3);
+    const auto brightness = [&](bool with_roof) {
+        PictureRequest request =
+            request_of({layer_of({1, 1, 1}, 0.9), layer_of({0, 0, 0}, 0.999, "heat")});
+        request.layers[1].visible = with_roof;
+        request.look.shadows = true, request.look.towards_light = {0, 1, 0};
+        double sum = 0;
+        for (const Rgba& pixel : light_of({floor, with_roof ? roof : vog::Scene{}}, request))
+            sum += double{pixel.r};
+        return sum;
+    };
+    EXPECT_LT(brightness(true), 0.9 * brightness(false));
+}
+
+TEST(layers, that_are_hidden_are_not_drawn) {
+    const vog::Scene model = blob({}, 4, 3);
+    Layer shown = layer_of(kRed, 0.5, "heat"), hidden = layer_of(kBlue, 0.9, "heat");
+    hidden.visible = false;
+    EXPECT_EQ(light_of({model, {}}, request_of({shown, hidden})),
+              light_of({model}, request_of({shown})));
+    EXPECT_NE(refusal([&] { (void)scene_of_layers({vog::Scene{}}); }).find("all hidden"),
+              std::string::npos);
+}
+
+TEST(layers, are_the_same_from_words_and_json) {
+    PictureRequest request;
+    request.show = Show::volume;
+    set_member(request, "layers",
+               {"stars.ply,field=heat,tf=inferno,range=0,1,unit-distance=2",
+                "band=0,1,red,0.5,iso=2,#00ff00", "window=40,80"});
+    ASSERT_EQ(request.layers.size(), 3u);
+    EXPECT_EQ(request.layers[0].file, "stars.ply");
+    EXPECT_EQ(request.layers[0].field, "heat");
+    EXPECT_EQ(request.layers[0].transfer.range, (std::pair{0.0, 1.0}));
+    EXPECT_EQ(request.layers[0].transfer.unit_distance, 2);
+    EXPECT_EQ(request.layers[1].transfer.bands.size(), 2u);
+    EXPECT_TRUE(request.layers[1].file.empty());
+    EXPECT_EQ(request.layers[2].transfer.window, (std::pair{40.0, 80.0}));
+    request.layers[0].file.clear();
+    const std::string json = request_json(request);
+    EXPECT_EQ(request_json(request_of_json(json)), json);
+}
+
+TEST(layers, of_bad_words_are_refused_in_one_line) {
+    const auto refused = [](const std::string& words) {
+        return refusal([&] {
+            PictureRequest request;
+            set_member(request, "layers", {words});
+        });
+    };
+    EXPECT_NE(refused("a.ply,map=inferno").find("'map': expected band, iso, field"),
+              std::string::npos);
+    EXPECT_NE(refused("range=2,1").find("range 2,1: expected LO,HI"), std::string::npos);
+    EXPECT_NE(refused("window=1,2,tf=gray").find("tf has no effect beside"), std::string::npos);
+    EXPECT_NE(refusal([] {
+                  (void)request_of_json(R"({"layers": [{"file": "/etc/passwd"}]})");
+              }).find("'file': expected input"),
+              std::string::npos);
+    PictureRequest request = request_of({layer_of(kRed, 0.5)});
+    request.field = "heat";
+    EXPECT_NE(refusal([&] { require_effects(request); }).find("field has no effect beside"),
+              std::string::npos);
+    request.field.clear(), request.renderer = Renderer::trace;
+    EXPECT_NE(refusal([&] { require_effects(request); }).find("layers is not for renderer"),
+              std::string::npos);
+}
+
+}  // namespace vog::test
