@@ -1,11 +1,13 @@
-// bind_voxelize.cpp: voxelize(): models back to volumes.
+// bind_voxelize.cpp: voxelize(): models back to volumes; isosurface(): their surfaces.
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 
 #include "arrays.h"
 #include "data.h"
 #include "vog/error.h"
+#include "vog/surface.h"
 #include "vog/voxelize.h"
 
 namespace vog::python {
@@ -63,6 +65,16 @@ py::object voxelized(const Gaussians& model, const std::optional<double>& voxel_
     return fields ? py::object(py::make_tuple(volume, arrays)) : volume;
 }
 
+py::tuple triangles_of(const Volume& volume, double value) {
+    const Surface surface = unlocked([&] { return isosurface(volume, value); });
+    const auto rows = [](const auto& of, auto number) {
+        py::array_t<decltype(number)> array({static_cast<py::ssize_t>(of.size()), py::ssize_t{3}});
+        std::memcpy(array.mutable_data(), of.data(), of.size() * sizeof(of.front()));
+        return array;
+    };
+    return py::make_tuple(rows(surface.point, double{}), rows(surface.triangle, std::uint32_t{}));
+}
+
 }  // namespace
 
 void bind_voxelize(py::module_& m) {
@@ -88,6 +100,18 @@ volume's index_box, 0 at inactive voxels (docs/voxelize.md).
 >>> volume = vog.sample_cloud(64)
 >>> back = vog.voxelize(vog.convert(volume, block=4), like=volume)
 >>> abs(back.mass / volume.mass - 1) < 1e-3
+True)");
+    m.def(
+        "isosurface", &triangles_of, py::arg("volume"), py::arg("value"),
+        R"(Surface around the voxels of a volume above a value, closed: linear between voxel centres, 0 in inactive voxels.
+
+volume  Volume; of a model voxelize(model, voxel_size=...)
+value   in the unit of the volume, above 0; of scans above their background
+
+Returns (points, triangles): float64 [P, 3], world units, and uint32 [N, 3], counter-clockwise from outside.
+
+>>> points, triangles = vog.isosurface(vog.sample_cloud(64), 0.2)
+>>> triangles.max() < len(points)
 True)");
 }
 

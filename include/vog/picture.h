@@ -168,11 +168,17 @@ const char* default_map(Show show);
 struct Layer {
     std::size_t input = 0;  ///< place of its data among the front end's inputs, from 0
     std::string file{};     ///< input that a user names in place of `input`
+    std::string grid{};     ///< grid of that file; empty: as its reader chooses
     bool visible = true;
     std::string field{};  ///< as PictureRequest::field
     TransferRequest transfer{};
     ScaleFit fit = ScaleFit::automatic;
 };
+
+/// Layers of the channels of an image, in colours that microscopes use: grids "c0", "c1", ..., or "red", "green" and "blue".
+/// grids    names of all grids of the file
+/// returns  none for other names, or a single one
+std::vector<Layer> layers_of_channels(std::span<const std::string> grids);
 
 /// Marks of a picture for readers of papers.
 struct Marks {

@@ -77,6 +77,7 @@
 #include "vog/scene.h"
 #include "vog/shade.h"
 #include "vog/site.h"
+#include "vog/surface.h"
 #include "vog/temporary_file.h"
 #include "vog/text.h"
 #include "vog/value_transfer.h"

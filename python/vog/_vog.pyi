@@ -42,6 +42,7 @@ __all__ = [
     "export_html",
     "export_splats",
     "voxelize",
+    "isosurface",
 ]
 __version__: str
 
@@ -614,6 +615,7 @@ def export_splats(
     up: Union[str, _Vector, None] = ...,
     layout: Literal["3dgs", "volprim"] = ...,
 ) -> dict[str, Any]: ...
+def isosurface(volume: Volume, value: SupportsFloat) -> Tuple[NDArray[np.float64], NDArray[np.uint32]]: ...
 def voxelize(
     model: Gaussians,
     *,

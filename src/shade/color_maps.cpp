@@ -69,6 +69,13 @@ std::vector<ColorPoint> from_table(std::span<const std::uint32_t> entries) {
     return points;
 }
 
+/// One colour for all values, as of a channel of a microscope; names and colours are CSS's.
+template <std::uint32_t kColor>
+std::vector<ColorPoint> plain() {
+    constexpr std::uint32_t kEntry[] = {kColor};
+    return from_table(kEntry);
+}
+
 std::vector<ColorPoint> moreland_coolwarm() {
     const ColorPoint cool{0, 59 / 255.0f, 76 / 255.0f, 192 / 255.0f};
     const ColorPoint warm{1, 180 / 255.0f, 4 / 255.0f, 38 / 255.0f};
@@ -82,10 +89,14 @@ struct NamedMap {
 
 // Last two: the paper's maps for particles (white to red on black) and Enzo (blue to white).
 const NamedMap kMaps[] = {
-    {"white",
-     [] {
-         return std::vector<ColorPoint>{{0, 1, 1, 1}};
-     }},
+    {"white", plain<0xffffff>},
+    {"red", plain<0xff0000>},
+    {"lime", plain<0x00ff00>},
+    {"blue", plain<0x0000ff>},
+    {"cyan", plain<0x00ffff>},
+    {"magenta", plain<0xff00ff>},
+    {"yellow", plain<0xffff00>},
+    {"orange", plain<0xffa500>},
     {"gray",
      [] {
          return std::vector<ColorPoint>{{0, 0, 0, 0}, {1, 1, 1, 1}};

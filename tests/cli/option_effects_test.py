@@ -36,7 +36,7 @@ PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--m
 VALUES = {
     "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--set kappa": "0.2",
     "--set aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
-    "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "export --as": "3dgs|volprim", "--pixel-error": "40", "--set similarity": "0.9",
+    "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "export --as": "3dgs|volprim", "export --iso": "0.03|0.02", "export --voxel-size": "0.02", "--pixel-error": "40", "--set similarity": "0.9",
     "--set resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--set strategy": "single",
@@ -80,6 +80,8 @@ def cases():
         yield command, [MODEL, "-o", "{out}/" + output]
     for layout in ("3dgs", "volprim"):
         yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]
+    for data, value in ((MODEL, "0.03"), (VOLUME, "0.2")):
+        yield "export", [data, "-o", "{out}/m.stl", "--iso", value]
     for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head", "volume --shadows"):
         yield "page", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
     yield "page", ["{made}/many.ply", "-o", "{out}/p.html"]

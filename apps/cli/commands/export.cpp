@@ -16,7 +16,9 @@
 #include "vog/periodic.h"
 #include "vog/picture.h"
 #include "vog/shade.h"
+#include "vog/surface.h"
 #include "vog/text.h"
+#include "vog/voxelize.h"
 
 namespace vog::cli {
 
@@ -30,6 +32,8 @@ struct ExportArguments {
     std::string units;   ///< world or box; empty: world with volprim, else box
     RequestWords words;  ///< field, tf and extinction
     ViewArguments view;  ///< --up
+    std::optional<double> iso;
+    double voxel_size = 0;  ///< of a model's surface, world units; 0: its default
 };
 
 /// Scalar field that colours splats.
@@ -144,6 +148,43 @@ Json write_model(Gaussians model, const ExportArguments& arguments, Stages& stag
     return report;
 }
 
+/// The volume of the inputs: a single one as it is, others from their model.
+/// voxel_size  of a model, world units; 0: a 256th of the longest edge of its box
+Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double voxel_size) {
+    if (inputs.kind() == FileKind::volume) {
+        LoadedVolumes set = load_volumes(models.inputs, models.volume);
+        print_notes(set.notes);
+        if (set.volumes.size() == 1 && set.masks.empty()) return std::move(set.volumes.front());
+    }
+    const Gaussians model = inputs.sum();
+    const Box box = view_box(model);
+    const Vec3d edges = box.upper - box.lower;
+    const double edge = voxel_size > 0 ? voxel_size : std::max({edges.x, edges.y, edges.z}) / 256;
+    Volume volume = voxelize(model, voxel_lattice(model, edge)).volume;
+    for (const ScalarField& field : model.fields.scalar)
+        if (field.is_measure) volume.background = field.background;
+    return volume;
+}
+
+/// Writes the surface of --iso.
+Json write_isosurface(const ExportArguments& arguments, ModelInputs& inputs, Stages& stages) {
+    const std::string& output = arguments.models.output;
+    const Volume volume = stages.run(
+        "volume", [&] { return volume_to_cut(arguments.models, inputs, arguments.voxel_size); });
+    const Surface surface =
+        stages.run("surface", [&] { return isosurface(volume, *arguments.iso); });
+    stages.run("save", [&] { write_surface(output, surface); });
+    const std::uint64_t bytes = std::filesystem::file_size(output);
+    if (!arguments.models.json)
+        print_line(fmt::format("{}: {} triangles, {} points, {}, world units", output,
+                               count_text(surface.triangle.size()),
+                               count_text(surface.point.size()), bytes_text(bytes)));
+    return {{"output", output},
+            {"triangles", surface.triangle.size()},
+            {"points", surface.point.size()},
+            {"bytes", bytes}};
+}
+
 /// throws  vog::Error for OpenUSD's binary layers and for a .ply without --as
 void check_format(const ExportArguments& arguments) {
     const std::string& output = arguments.models.output;
@@ -154,11 +195,16 @@ void check_format(const ExportArguments& arguments) {
             fmt::format("{}: OpenUSD is written as text: vog export -o {}, then usdcat {} -o {}",
                         output, text, text, output));
     }
-    check_output(output, arguments.models.inputs, {".spz", ".glb", ".usda", ".ply"});
+    check_output(output, arguments.models.inputs,
+                 {".spz", ".glb", ".usda", ".ply", ".stl", ".obj"});
+    const bool surface =
+        extension == ".stl" || extension == ".obj" || arguments.layout == "surface";
+    if (surface && !arguments.iso)
+        throw UsageError(fmt::format("{}: expected --iso VALUE, the value of the surface", output));
     if (extension == ".ply" && arguments.layout.empty())
-        throw UsageError(
-            fmt::format("{}: expected --as 3dgs or --as volprim; to write a model, use {}", output,
-                        command_line("convert", arguments.models.inputs, output)));
+        throw UsageError(fmt::format(
+            "{}: expected --as 3dgs, --as volprim or --as surface; to write a model, use {}",
+            output, command_line("convert", arguments.models.inputs, output)));
 }
 
 void export_files(ExportArguments arguments, const GivenOptions& command) {
@@ -172,7 +218,8 @@ void export_files(ExportArguments arguments, const GivenOptions& command) {
     const std::string extension = extension_of(models.output);
     require_effects(command, {{"input", input_fact(inputs.kind(), models.inputs)},
                               {"output", extension == ".ply" ? arguments.layout : extension}});
-    Json json = write_model(inputs.sum(), arguments, stages);
+    Json json = arguments.iso ? write_isosurface(arguments, inputs, stages)
+                              : write_model(inputs.sum(), arguments, stages);
     if (!inputs.notes().empty()) json["notes"] = inputs.notes();
     if (models.json) print_json(json);
 }
@@ -183,16 +230,26 @@ void add_export(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command = app.add_subcommand(
         "export",
-        "Export models to other programs' formats: Gaussian splats (.spz, .glb, .usda, .ply) or "
-        "Mitsuba's volumetric primitives (.ply)");
+        "Export models to other programs' formats: Gaussian splats (.spz, .glb, .usda, .ply), "
+        "Mitsuba's volumetric primitives (.ply), or surfaces of models and volumes (.stl, .obj, "
+        ".ply)");
     add_model_options(*command, arguments->models,
-                      "File to write: .spz, .glb, .usda, or .ply with --as; several inputs are "
-                      "added up");
+                      "File to write: .spz, .glb, .usda, .ply with --as, or of --iso .stl or .obj; "
+                      "several inputs are added up");
     command
-        ->add_option("--as", arguments->layout,
-                     "Layout of a .ply: 3dgs (splats with opacities, for renderers of 3D Gaussian "
-                     "splatting) or volprim (volumetric primitives, for Mitsuba)")
-        ->check(CLI::IsMember({"3dgs", "volprim"}));
+        ->add_option(
+            "--as", arguments->layout,
+            "Layout of a .ply: 3dgs (splats with opacities, for renderers of 3D Gaussian "
+            "splatting), volprim (volumetric primitives, for Mitsuba) or surface (of --iso)")
+        ->check(CLI::IsMember({"3dgs", "volprim", "surface"}));
+    command->add_option("--iso", arguments->iso,
+                        "Value of the surface that is written as triangles in world units, in the "
+                        "unit of the density");
+    command
+        ->add_option("--voxel-size", arguments->voxel_size,
+                     "Edge of the voxels that a model's surface is found in, world units; default: "
+                     "a 256th of its box's longest edge")
+        ->check(CLI::PositiveNumber);
     command
         ->add_option("--units", arguments->units,
                      "Coordinates of splats: box, the model's box centred at 0 with a longest edge "

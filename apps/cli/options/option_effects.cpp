@@ -56,7 +56,10 @@ const std::vector<Row> kRows = {
     {"page", "--set.levels --from", "output", ".html"},
     {"page", "--no-fields --budget --set.levels --precise", "--from", "-"},
     {"page pack", "--no-fields", "input", "volumes models compact-models"},
-    {"export", "--as", "output", "3dgs volprim"},
+    {"export", "--as", "output", "3dgs volprim surface"},
+    {"export", "--iso --voxel-size", "output", ".stl .obj surface"},
+    {"export", "--voxel-size", "input", "models compact-models particles text"},
+    {"export", "--extinction --budget --no-fields", "output", ".spz .glb .usda 3dgs volprim"},
     {"export", "--units --tf --field --up", "output", ".spz .glb .usda 3dgs"},
     // Conversions.
     {"convert", kByMoments, "--method", "moments"},

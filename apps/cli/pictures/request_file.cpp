@@ -12,6 +12,7 @@
 #include "vog/error.h"
 #include "vog/picture_record.h"
 #include "vog/text.h"
+#include "vog/volume_io.h"
 
 namespace vog::cli {
 
@@ -84,6 +85,30 @@ void require_inputs(const std::vector<std::string>& inputs) {
                             printable(input, 200), std::filesystem::current_path(code).string()));
 }
 
+/// Draws the channels of an image as layers where the command line states neither a grid nor colours.
+void take_channels(RenderArguments& arguments) {
+    const DrawingArguments& drawing = arguments.drawing;
+    PictureRequest& request = arguments.request;
+    const RequestWords& words = arguments.words;
+    const bool stated = std::ranges::any_of(
+        std::initializer_list<const char*>{"field", "tf", "range", "scale", "window", "bands",
+                                           "threshold", "unit_distance", "layers", "renderer"},
+        [&](const char* key) { return words.has(key); });
+    if (request.show != Show::volume || stated || !drawing.volume.grid.empty() ||
+        drawing.inputs.size() != 1 || kind_of(drawing.inputs.front(), {}) != FileKind::volume)
+        return;
+    request.layers = layers_of_channels(grid_names(drawing.inputs.front()));
+    if (request.layers.empty()) return;
+    std::string channels;
+    for (const Layer& layer : request.layers)
+        channels += fmt::format("{}{} {}", channels.empty() ? "" : ", ", layer.grid,
+                                layer.transfer.points.points.name);
+    print_notes(
+        {fmt::format("{}: channels are layers: {}; --grid draws one, --layer grid=NAME,... "
+                     "others",
+                     drawing.inputs.front(), channels)});
+}
+
 /// Inputs of layers: those of the command line, and the files that layers name. The first one is the picture's.
 /// throws  UsageError for a layer of an input that is not there
 void place_layers(DrawingArguments& drawing, PictureRequest& request) {
@@ -130,6 +155,7 @@ PictureRecord record_in(const std::string& request) {
 void take_request(RenderArguments& arguments, GivenOptions& command) try {
     if (!command.has("--request")) {
         arguments.request = arguments.words.over();
+        take_channels(arguments);
         return place_layers(arguments.drawing, arguments.request);
     }
     const PictureRecord record = record_in(arguments.request_file);

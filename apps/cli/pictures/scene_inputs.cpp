@@ -242,6 +242,7 @@ SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& reque
         if (!layer.visible) continue;
         DrawingArguments own = arguments;
         own.inputs = expanded({arguments.layer_inputs[layer.input]});
+        if (!layer.grid.empty()) own.volume.grid = layer.grid;
         PictureRequest one = request;
         one.layers.clear();
         one.field = layer.field;

@@ -203,6 +203,20 @@ TEST(layers, are_the_same_from_words_and_json) {
     EXPECT_EQ(request_json(request_of_json(json)), json);
 }
 
+TEST(layers, of_channels_have_their_colours) {
+    const auto colors = [](std::vector<std::string> grids) {
+        std::string all;
+        for (const Layer& layer : layers_of_channels(grids))
+            all += layer.grid + ' ' + layer.transfer.points.points.name + ' ';
+        return all;
+    };
+    EXPECT_EQ(colors({"c0", "c1", "c2"}), "c0 magenta c1 lime c2 cyan ");
+    EXPECT_EQ(colors({"red", "green", "blue", "alpha"}), "red red green lime blue blue ");
+    EXPECT_EQ(colors({"c0"}), "");
+    EXPECT_EQ(colors({"t0", "t1"}), "");
+    EXPECT_EQ(colors({"density", "temperature"}), "");
+}
+
 TEST(layers, of_bad_words_are_refused_in_one_line) {
     const auto refused = [](const std::string& words) {
         return refusal([&] {
@@ -210,7 +224,7 @@ TEST(layers, of_bad_words_are_refused_in_one_line) {
             set_member(request, "layers", {words});
         });
     };
-    EXPECT_NE(refused("a.ply,map=inferno").find("'map': expected band, iso, field"),
+    EXPECT_NE(refused("a.ply,map=inferno").find("'map': expected grid, band, iso, field"),
               std::string::npos);
     EXPECT_NE(refused("range=2,1").find("range 2,1: expected LO,HI"), std::string::npos);
     EXPECT_NE(refused("window=1,2,tf=gray").find("tf has no effect beside"), std::string::npos);

@@ -37,6 +37,7 @@ void set(Layer& layer, PictureRequest request) {
 Json layer_json(const Layer& layer) {
     const PictureRequest request = request_of(layer), unset = request_of({});
     Json json = {{"input", layer.input}};
+    if (!layer.grid.empty()) json["grid"] = layer.grid;
     if (!layer.visible) json["visible"] = false;
     for (const char* key : kKeys) {
         const Values& values = entry_of(key).values;
@@ -53,10 +54,12 @@ Layer layer_of(const Json& json) {
     for (const auto& [key, value] : json.items()) {
         if (key == "input")
             layer.input = checked<std::size_t>("layers", value, {0, 1e6, "an input, from 0"});
+        else if (key == "grid")
+            layer.grid = checked<std::string>("layers", value, {});
         else if (key == "visible")
             layer.visible = checked<bool>("layers", value, {});
         else if (!is_key(key))
-            refuse_key(key, "input, visible");
+            refuse_key(key, "input, grid, visible");
         else if (!value.is_null())
             entry_of(key).values.read(key, value, request);
     }
@@ -91,20 +94,26 @@ Layer layer_of_words(const std::string& text) try {
         std::ranges::replace(key, '-', '_');
         if (key == "band" || key == "iso") key = "bands";
         if (has_value) {
-            if (!is_key(key)) refuse_key(key, "band, iso");
+            if (!is_key(key) && key != "grid") refuse_key(key, "grid, band, iso");
             members.emplace_back(key, word.substr(word.find('=') + 1));
         } else if (!members.empty()) {
             members.back().second += "," + word;
         } else if (at == 0) {
             layer.file = word;
         } else {
-            refuse_key(word, "band, iso");
+            refuse_key(word, "grid, band, iso");
         }
     }
     PictureRequest request = request_of({});
     std::vector<std::string> bands;
-    for (const auto& [key, value] : members)
-        key == "bands" ? bands.push_back(value) : set_member(request, key, {value});
+    for (const auto& [key, value] : members) {
+        if (key == "bands")
+            bands.push_back(value);
+        else if (key == "grid")
+            layer.grid = value;
+        else
+            set_member(request, key, {value});
+    }
     if (!bands.empty()) set_member(request, "bands", bands);
     set(layer, std::move(request));
     return layer;
@@ -115,3 +124,24 @@ Layer layer_of_words(const std::string& text) try {
 }
 
 }  // namespace vog::requests
+
+namespace vog {
+
+std::vector<Layer> layers_of_channels(std::span<const std::string> grids) {
+    const std::vector<std::string> primaries{"red", "green", "blue"};
+    const bool rgb = grids.size() >= 3 && std::ranges::equal(grids.first(3), primaries);
+    std::vector<Layer> layers;
+    if (grids.size() < 2) return layers;
+    // Two channels in colours that the colour-blind tell apart.
+    const char* const colors[] = {"magenta", "lime", "cyan", "yellow", "red", "blue", "orange"};
+    const char* const of_rgb[] = {"red", "lime", "blue"};
+    for (std::size_t n = 0; n < (rgb ? 3 : grids.size()); ++n) {
+        if (!rgb && grids[n] != "c" + std::to_string(n)) return {};
+        Layer& layer = layers.emplace_back();
+        layer.grid = grids[n];
+        layer.transfer.points = transfer_points(rgb ? of_rgb[n] : colors[n % std::size(colors)]);
+    }
+    return layers;
+}
+
+}  // namespace vog

@@ -1,0 +1,69 @@
+// surface_files.cpp: triangles as STL, PLY and OBJ.
+#include <fmt/format.h>
+
+#include <bit>
+#include <functional>
+#include <iterator>
+
+#include "core/atomic_file.h"
+#include "vog/error.h"
+#include "vog/surface.h"
+
+namespace vog {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little);  // as the files are
+
+template <class Value>
+void put(std::ofstream& out, const Value& value) {
+    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+}
+void put_point(std::ofstream& out, Vec3d p) { put(out, vec_cast<float>(p)); }
+
+void write_stl(std::ofstream& out, const Surface& surface) {
+    std::array<char, 80> head{};
+    std::string_view("vog isosurface").copy(head.data(), head.size());
+    put(out, head);
+    put(out, static_cast<std::uint32_t>(surface.triangle.size()));
+    for (const auto& t : surface.triangle) {
+        const Vec3d a = surface.point[t[0]], b = surface.point[t[1]], c = surface.point[t[2]];
+        const Vec3d normal = cross(b - a, c - a);
+        put_point(out, length(normal) > 0 ? normalized(normal) : normal);
+        for (const Vec3d corner : {a, b, c}) put_point(out, corner);
+        put(out, std::uint16_t{0});
+    }
+}
+
+void write_ply(std::ofstream& out, const Surface& surface) {
+    out << fmt::format(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
+        "y\nproperty float z\nelement face {}\nproperty list uchar uint vertex_indices\n"
+        "end_header\n",
+        surface.point.size(), surface.triangle.size());
+    for (const Vec3d point : surface.point) put_point(out, point);
+    for (const auto& triangle : surface.triangle) put(out, std::uint8_t{3}), put(out, triangle);
+}
+
+void write_obj(std::ofstream& out, const Surface& surface) {
+    const std::ostreambuf_iterator<char> to(out);
+    for (const Vec3d p : surface.point)
+        fmt::format_to(to, "v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+    for (const auto& t : surface.triangle)
+        fmt::format_to(to, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+}
+
+}  // namespace
+
+void write_surface(const std::filesystem::path& file, const Surface& surface) {
+    const std::string extension = file.extension().string();
+    const auto write =
+        extension == ".stl"   ? write_stl
+        : extension == ".ply" ? write_ply
+        : extension == ".obj"
+            ? write_obj
+            : throw Error(fmt::format("{}: expected .stl, .ply or .obj", file.string()));
+    write_file(file, [&](std::ofstream& out) { write(out, surface); });
+}
+
+}  // namespace vog
