@@ -251,8 +251,8 @@ TEST_F(field_conversion_command, signed_values_convert_by_volume) {
     set_voxel(*grid, {3, 2, 1}, std::numeric_limits<float>::quiet_NaN());
     write_grids(dir_ / "ct.vdb", {grid});
     must_fail(1, "convert ct.vdb -o ct.ply --skip-nonfinite", "vog convert --measure volume");
-    const Result made =
-        must("convert ct.vdb -o ct.ply --measure volume --block 4 --soft-steps 0 --no-hierarchy");
+    const Result made = must(
+        "convert ct.vdb -o ct.ply --measure volume --block 4 --set soft-steps=0 --no-hierarchy");
     EXPECT_NE(
         made.error.find("1 values that are not finite left out, the first at index [3, 2, 1]"),
         std::string::npos)

@@ -39,13 +39,13 @@ VALUES = {
     "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "export --as": "3dgs|volprim", "export --iso": "0.03|0.02", "export --voxel-size": "0.02", "--pixel-error": "40", "--set similarity": "0.9",
     "--set resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
-    "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--set strategy": "single",
+    "--error": "0.2", "--budget": "60", "--block": "4", "--set mass-threshold": "0.2", "--set strategy": "single",
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
     "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",
     "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
     "--title": "T", "--set hits-per-slab": "1", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",
-    "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
-    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--set background-value": "0.1", "--soft-steps": "7", "--lod": "4",
+    "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--set seed": "5",
+    "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--set background-value": "0.1", "--set soft-steps": "7", "--lod": "4",
 }
 
 # Effects that depend on the data: inputs in place of the case's, for both runs.

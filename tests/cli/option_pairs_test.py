@@ -28,8 +28,8 @@ SECONDS = 60  # of one run on a busy machine; most take some hundredths
 # Values of options that take one. {made}: folder of inputs; {out}: folder of this run's outputs.
 VALUES = {
     "--grid": "density", "--mask": "density", "--method": "paper", "--lod": "3", "--threads": "1", "--error": "0.3",
-    "--budget": "200", "--block": "4", "--soft-steps": "2", "--refine": "0.01", "--set spread": "1.1", "--set background-value": "0.1",
-    "--mass-threshold": "0.01", "--set strategy": "smart", "--set dense-block": "4", "--set amplitude": "mass", "--set kappa": "0.02",
+    "--budget": "200", "--block": "4", "--set soft-steps": "2", "--refine": "0.01", "--set spread": "1.1", "--set background-value": "0.1",
+    "--set mass-threshold": "0.01", "--set strategy": "smart", "--set dense-block": "4", "--set amplitude": "mass", "--set kappa": "0.02",
     "--set opacity-threshold": "0.001", "--set variance-threshold": "0.02", "--set similarity": "0.2", "--set tree-depth": "2",
     "--set minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
     "--memory": "200M", "--set scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
@@ -42,9 +42,9 @@ VALUES = {
     "--combine": "sum", "--field": "density", "--for": "volume", "--set joint-steps": "1", "--measure": "volume", "--scale": "linear", "--set least-column": "0.01", "--values-out": "{out}/values.npy",
     "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
     "--unit-distance": "2", "--layer": "tf=viridis", "--light": "1,2,3", "--light-from": "1,2,3", "--set scattering": "3", "--slabs": "8", "--set light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
-    "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--set model-psnr": "40", "--set rounding": "0.05", "--set field-rounding": "0.01", "--as": "3dgs", "--description": "Some text", "--name": "a model", "--set levels": "2",
+    "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--set model-psnr": "40", "--set rounding": "0.05", "--set field-rounding": "0.01", "--as": "3dgs", "--set description": "Some text", "--name": "a model", "--set levels": "2",
     "--voxel-size": "1", "--like": "{made}/cloud.vdb",
-    "--request": "{made}/x.png", "--turntable": "2", "--set fps": "12", "--diff": "{out}/diff.png", "--set diff-limit": "3", "--seed": "2",
+    "--request": "{made}/x.png", "--turntable": "2", "--set fps": "12", "--diff": "{out}/diff.png", "--set diff-limit": "3", "--set seed": "2",
 }
 kOptions, kRefused = 8, 16  # options of one run
 # Command: its arguments with an input, for each kind of input.

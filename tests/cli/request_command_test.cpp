@@ -70,7 +70,7 @@ TEST_F(request_command, pictures_of_turns_and_of_fields_in_other_files_are_drawn
     must("render cloud.ply -o turn/ --turntable 3 --size 20 --show column");
     must("render --request turn/0003.png -o again.png");
     EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "turn/0003.png"));
-    must("sample cloud other.vdb --size 64 --seed 9");
+    must("sample cloud other.vdb --size 64 --set seed=9");
     for (const std::string show : {"mean", "volume"}) {
         must("render cloud.vdb --field other.vdb:density -o first.png --size 20 --show " + show);
         must("render --request first.png -o again.png");

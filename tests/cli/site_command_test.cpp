@@ -13,7 +13,7 @@ using Json = nlohmann::json;
 
 TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
     must("sample cloud c.vdb --size 128");
-    must("convert c.vdb -o c.ply --block 2 --soft-steps 0");
+    must("convert c.vdb -o c.ply --block 2 --set soft-steps=0");
     const Json made = Json::parse(must("page c.ply -o site/ --json").out);
     const Json whole = Json::parse(must("info c.ply --json").out)["files"][0]["model"];
     EXPECT_EQ(made["gaussians"], whole["gaussians"]);

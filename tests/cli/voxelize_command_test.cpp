@@ -125,7 +125,7 @@ TEST_F(voxelize_command, a_conversion_and_back_is_near_the_volume) {
     EXPECT_GT(error.psnr_db, 25);
     must("convert back.vdb -o again.ply --block 4");
     EXPECT_NEAR(mass(read_ply(dir_ / "again.ply")) / mass(cloud), 1,
-                2e-3);  // --mass-threshold 1e-4, twice
+                2e-3);  // --set mass-threshold=1e-4, twice
     // Hierarchies have their finest level voxelised: that of the model without one.
     must("convert cloud.vdb -o flat.ply --block 2 --no-hierarchy");
     must("voxelize flat.ply --like cloud.vdb -o flat.vdb");

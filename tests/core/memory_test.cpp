@@ -35,11 +35,11 @@ class larger_than_memory : public LargerThanMemory {};
 // 17 million voxels: 84 MB of leaves, and 45 MB for an idle process.
 TEST_F(larger_than_memory, a_volume_makes_the_same_model) {
     write_cube("cube.vdb", 32);
-    expect_same("convert cube.vdb --block 4 --soft-steps 0 -o", ".ply", 136);
+    expect_same("convert cube.vdb --block 4 --set soft-steps=0 -o", ".ply", 136);
     // Overlapping cells read the neighbours of each leaf; the model alone has 92 MB.
     expect_same("convert cube.vdb --block 2 --no-hierarchy --no-fields -o", ".ply", 160);
     write_cube("large.vdb", 28);
-    expect_same("convert large.vdb --budget 3000 --soft-steps 1 -o", ".ply", 112);
+    expect_same("convert large.vdb --budget 3000 --set soft-steps=1 -o", ".ply", 112);
 }
 
 // Leaves and the tree for ray traversal: 234 MB.
@@ -53,7 +53,7 @@ TEST_F(larger_than_memory, a_volume_makes_the_same_picture) {
 TEST_F(larger_than_memory, levels_make_the_same_model) {
     write_cube("coarse.vdb", 20, 2);
     write_cube("fine.vdb", 31, 1);
-    expect_same("convert coarse.vdb fine.vdb --block 8 --soft-steps 0 -o", ".ply", 192);
+    expect_same("convert coarse.vdb fine.vdb --block 8 --set soft-steps=0 -o", ".ply", 192);
 }
 
 // A million particles: 24 MB of positions, 12 MB of velocities, and the conversion.

@@ -57,7 +57,7 @@ class Faults : public CommandLine {
     }
     /// Every command, every format.
     static std::vector<Job> jobs() {
-        return {{"convert c.vdb -o out/m.ply --block 8 --soft-steps 0", {"m.ply"}},
+        return {{"convert c.vdb -o out/m.ply --block 8 --set soft-steps=0", {"m.ply"}},
                 {"render c.vdb --size 64 -o out/p.png --depth-out out/t.exr --show column "
                  "--values-out out/v.npy",
                  {"p.png", "t.exr", "v.npy"}},

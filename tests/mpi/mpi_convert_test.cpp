@@ -40,10 +40,10 @@ class mpi_convert_ranks : public mpi_convert, public testing::WithParamInterface
 /// The sample has tiles of 8^3 voxels; a cell of 32^3 spans many leaves.
 TEST_P(mpi_convert_ranks, uniform_cuts_are_the_same_bytes) {
     must("sample cloud c.vdb --size 64");
-    expect_same_bytes(GetParam(), "c.vdb --soft-steps 0 --block 2");
-    expect_same_bytes(GetParam(),
-                      "c.vdb --soft-steps 0 --block 8 --mass-threshold 0.02 --axis-aligned");
-    expect_same_bytes(GetParam(), "c.vdb --soft-steps 0 --lod 5");
+    expect_same_bytes(GetParam(), "c.vdb --set soft-steps=0 --block 2");
+    expect_same_bytes(
+        GetParam(), "c.vdb --set soft-steps=0 --block 8 --set mass-threshold=0.02 --axis-aligned");
+    expect_same_bytes(GetParam(), "c.vdb --set soft-steps=0 --lod 5");
 }
 
 INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::ValuesIn(rank_counts()),
@@ -51,13 +51,13 @@ INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::ValuesIn(rank_counts
 
 TEST_F(mpi_convert, cells_larger_than_the_volume_are_the_same_bytes) {
     must("sample explosion e.vdb --size 64");
-    expect_same_bytes(3, "e.vdb --soft-steps 0 --block 128");
-    expect_same_bytes(2, "e.vdb --soft-steps 0 --block 1");
+    expect_same_bytes(3, "e.vdb --set soft-steps=0 --block 128");
+    expect_same_bytes(2, "e.vdb --set soft-steps=0 --block 1");
 }
 
 TEST_F(mpi_convert, ranks_without_a_leaf_change_nothing) {
     write_vdb(dir_ / "leaf.vdb", two_leaves());
-    expect_same_bytes(4, "leaf.vdb --soft-steps 0 --block 4");
+    expect_same_bytes(4, "leaf.vdb --set soft-steps=0 --block 4");
     const auto [one, many] = both(4, "leaf.vdb --budget 12");
     EXPECT_LE(read_ply(dir_ / "many.ply").size(), 12u);
 }
@@ -75,8 +75,8 @@ TEST_F(mpi_convert, periodic_volumes_are_as_good_as_those_of_one_process) {
     const DenseBlock block{value.data(), {kEdge, kEdge, kEdge}, {kEdge * kEdge, kEdge, 1}, {}};
     const Volume volume = volume_from_dense({&block, 1});
     write_vdb(dir_ / "p.vdb", volume);
-    expect_same_bytes(3, "p.vdb --soft-steps 0 --block 4 --periodic");
-    both(3, "p.vdb --budget 600 --mass-threshold 0 --periodic");
+    expect_same_bytes(3, "p.vdb --set soft-steps=0 --block 4 --periodic");
+    both(3, "p.vdb --budget 600 --set mass-threshold=0 --periodic");
     const auto report = nlohmann::json::parse(
         must_mpi(3, "convert p.vdb --block 4 --periodic -o r.ply --json").out);
     EXPECT_NEAR(report.at("mass_ratio").get<double>(), 1, 2e-4);
@@ -94,7 +94,7 @@ TEST_F(mpi_convert, periodic_volumes_are_as_good_as_those_of_one_process) {
 /// Overlapping cells, the default of vog convert, would need voxels of other parts.
 TEST_F(mpi_convert, uniform_cells_are_hard_by_default_and_a_note_says_so) {
     must("sample cloud c.vdb --size 64");
-    must("convert --no-hierarchy c.vdb --block 4 --soft-steps 0 -o one.ply");
+    must("convert --no-hierarchy c.vdb --block 4 --set soft-steps=0 -o one.ply");
     const auto result = must_mpi(2, "convert --no-hierarchy c.vdb --block 4 -o many.ply");
     EXPECT_NE(result.error.find("uniform cells are hard"), std::string::npos) << result.error;
     EXPECT_TRUE(read_text(dir_ / "one.ply") == read_text(dir_ / "many.ply"));
@@ -103,11 +103,11 @@ TEST_F(mpi_convert, uniform_cells_are_hard_by_default_and_a_note_says_so) {
 TEST_F(mpi_convert, many_files_are_divided_by_files) {
     std::string volumes;
     for (int n = 0; n < 8; ++n) {
-        must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
+        must(fmt::format("sample cloud v{}.vdb --size 64 --set seed={}", n, n + 1));
         volumes += fmt::format("v{}.vdb ", n);
     }
-    expect_same_bytes(2, volumes + "--combine sum --soft-steps 0 --block 4");
-    expect_same_bytes(3, volumes + "--combine sum --soft-steps 0 --block 4");
+    expect_same_bytes(2, volumes + "--combine sum --set soft-steps=0 --block 4");
+    expect_same_bytes(3, volumes + "--combine sum --set soft-steps=0 --block 4");
 }
 
 TEST_F(mpi_convert, particles_are_the_same_bytes) {
@@ -123,12 +123,12 @@ TEST_F(mpi_convert, data_far_from_the_origin_are_as_good) {
     volume.world_from_index = {{{Vec3d{0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}},
                                {5000000.1, -1e8, 3}};
     write_vdb(dir_ / "far.vdb", volume);
-    expect_same_bytes(3, "far.vdb --soft-steps 0 --block 4");
+    expect_same_bytes(3, "far.vdb --set soft-steps=0 --block 4");
     both(3, "far.vdb --budget 600");
     EXPECT_LE(distance("far.vdb", "many.ply"), 1.25 * distance("far.vdb", "one.ply"));
     both(3, "far.vdb --method paper --lod 4");
     EXPECT_LE(distance("one.ply", "many.ply"), 1e-4);
-    must("convert far.vdb -o one.ply --block 4 --soft-steps 0 --no-hierarchy");
+    must("convert far.vdb -o one.ply --block 4 --set soft-steps=0 --no-hierarchy");
     must_mpi(3, "convert far.vdb -o parts.ply --block 4 --split");
     EXPECT_EQ(distance("one.ply", "parts.json"), 0);
     must("render one.ply --size 64 --extinction 1 --depth-out r.exr");
@@ -171,7 +171,7 @@ TEST_F(mpi_convert, budget_is_kept_and_about_as_good) {
 TEST_F(mpi_convert, header_keeps_all_options) {
     must("sample cloud c.vdb --size 64");
     const std::string others =
-        " --soft-steps 2 --mass-threshold 0.001 --set spread=1.25 --axis-aligned";
+        " --set soft-steps=2 --set mass-threshold=0.001 --set spread=1.25 --axis-aligned";
     for (const std::string cut : {"--budget 300", "--error 0.3"}) {
         must_mpi(2, "convert c.vdb -o many.ply --no-hierarchy " + cut + others);
         EXPECT_EQ(read_ply(dir_ / "many.ply").options, cut + others + " (in 2 parts)");
@@ -185,9 +185,9 @@ TEST_F(mpi_convert, header_keeps_all_options) {
 /// The default of both: the bytes of uniform cuts are compared with this field.
 TEST_F(mpi_convert, models_carry_their_own_values) {
     must("sample cloud c.vdb --size 64");
-    const auto [one, many] = both(3, "c.vdb --soft-steps 0 --block 8 --measure volume");
+    const auto [one, many] = both(3, "c.vdb --set soft-steps=0 --block 8 --measure volume");
     EXPECT_TRUE(one == many);
-    both(2, "c.vdb --budget 300 --soft-steps 0");
+    both(2, "c.vdb --budget 300 --set soft-steps=0");
     const Gaussians model = read_ply(dir_ / "many.ply"), whole = read_ply(dir_ / "one.ply");
     ASSERT_EQ(model.fields.names(), std::vector<std::string>{"density"});
     EXPECT_EQ(model.fields.scalar[0].upper, whole.fields.scalar[0].upper);
@@ -224,7 +224,7 @@ TEST_F(mpi_convert, models_carry_other_grids_as_one_process_does) {
         for (std::size_t n = 0; n < kLeafVoxels; ++n)
             if (leaf.value[n] > 0) leaf.value[n] = 300 + float(n % 7) - 0.1f * float(leaf.origin.x);
     write_vdb(dir_ / "heat.vdb", heat);
-    expect_same_bytes(3, "v.vdb --soft-steps 0 --block 4 --field heat.vdb:heat");
+    expect_same_bytes(3, "v.vdb --set soft-steps=0 --block 4 --field heat.vdb:heat");
     const auto result = must_mpi(2, "convert v.vdb -o m.ply --block 4 --field heat.vdb:heat");
     EXPECT_NE(result.error.find("grid 'heat': inactive at "), std::string::npos) << result.error;
     const Gaussians model = read_ply(dir_ / "m.ply");
@@ -263,7 +263,7 @@ TEST_F(mpi_convert, error_bound_holds_for_the_whole_model) {
 TEST_F(mpi_convert, levels_keep_their_mass_and_picture) {
     must("sample amr a.vdb --size 64");
     const std::string levels = "a.vdb --grid 'density_L*' ";
-    both(3, levels + "--soft-steps 0 --block 2");
+    both(3, levels + "--set soft-steps=0 --block 2");
     const Gaussians one = read_ply(dir_ / "one.ply"), many = read_ply(dir_ / "many.ply");
     EXPECT_NEAR(mass(many), mass(one), 1e-5 * mass(one));
     EXPECT_EQ(many.source_voxels, one.source_voxels);
@@ -277,7 +277,7 @@ TEST_F(mpi_convert, levels_keep_their_mass_and_picture) {
 
 TEST_F(mpi_convert, split_models_are_one_model) {
     must("sample cloud c.vdb --size 64");
-    must("convert c.vdb -o one.ply --block 4 --soft-steps 0 --no-hierarchy");
+    must("convert c.vdb -o one.ply --block 4 --set soft-steps=0 --no-hierarchy");
     must_mpi(3, "convert c.vdb -o parts.ply --block 4 --split");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "parts.ply"));
     EXPECT_EQ(distance("one.ply", "parts.json"), 0);
@@ -289,7 +289,7 @@ TEST_F(mpi_convert, split_models_are_one_model) {
 /// Files of a time series go to ranks whole.
 TEST_F(mpi_convert, sequences_are_divided_by_files) {
     for (int n = 0; n < 3; ++n)
-        must(fmt::format("sample cloud f_{}.vdb --size 64 --seed {}", n, n + 1));
+        must(fmt::format("sample cloud f_{}.vdb --size 64 --set seed={}", n, n + 1));
     must("convert 'f_*.vdb' -o one/ --block 8");
     const auto json =
         nlohmann::json::parse(must_mpi(2, "convert 'f_*.vdb' -o many/ --block 8 --json").out);

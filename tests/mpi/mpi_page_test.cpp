@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(ranks, mpi_page_ranks, testing::ValuesIn(rank_counts())
 
 TEST_F(mpi_page, one_rank_writes_the_bytes_of_one_process) {
     must("sample cloud c.vdb --size 128");
-    must("convert c.vdb -o c.ply --block 2 --soft-steps 0");
+    must("convert c.vdb -o c.ply --block 2 --set soft-steps=0");
     must("page c.ply -o one/ --tf jet --show mean --field density");
     for (const std::string input : {"c.ply", "c.vdb --block 2"}) {
         must_mpi(1, "page " + input + " -o many/ --tf jet --show mean --field density");

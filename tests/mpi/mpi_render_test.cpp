@@ -59,7 +59,7 @@ TEST_P(mpi_render, particles_are_the_same) {
 TEST_P(mpi_render, pictures_of_time_steps_are_the_same) {
     must("sample cloud step_2.vdb --size 64");
     must("sample explosion step_9.vdb --size 64");
-    must("sample cloud step_10.vdb --size 64 --seed 3");
+    must("sample cloud step_10.vdb --size 64 --set seed=3");
     must("convert 'step_*.vdb' -o models/ --block 8");
     for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
         const std::string common = "render " + inputs + " --size 40 --json ";
@@ -121,7 +121,7 @@ TEST_F(mpi_inputs, ranks_without_a_leaf_have_nothing_to_draw) {
 TEST_F(mpi_inputs, many_files_are_divided_by_files) {
     std::string models, volumes;
     for (int n = 0; n < 8; ++n) {
-        must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
+        must(fmt::format("sample cloud v{}.vdb --size 64 --set seed={}", n, n + 1));
         must(fmt::format("convert v{}.vdb -o m{}.ply --block 8 --no-hierarchy", n, n));
         models += fmt::format(" m{}.ply", n);
         volumes += fmt::format(" v{}.vdb", n);

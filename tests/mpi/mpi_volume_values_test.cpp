@@ -184,7 +184,7 @@ TEST_F(mpi_volume_inputs, ranks_without_a_voxel_draw_and_report_the_same) {
 TEST_F(mpi_volume_inputs, many_files_are_divided_by_files) {
     std::string files;
     for (int n = 0; n < 8; ++n) {
-        must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
+        must(fmt::format("sample cloud v{}.vdb --size 64 --set seed={}", n, n + 1));
         files += fmt::format(" v{}.vdb", n);
     }
     const std::string render =

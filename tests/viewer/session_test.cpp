@@ -48,7 +48,7 @@ class view_command : public CommandLine {
 
 TEST_F(view_command, a_sites_pictures_are_those_of_its_view_and_damage_leaves_the_parent) {
     must("sample cloud cloud.vdb --size 128");
-    must("convert cloud.vdb -o cloud.ply --block 2 --soft-steps 0");
+    must("convert cloud.vdb -o cloud.ply --block 2 --set soft-steps=0");
     must("page cloud.ply -o site/");
     const std::string script =
         "size 240 180\nsubframes 1\npanels off\noverlay off\ncolorbar off\ntf viridis\nexposure "
@@ -76,8 +76,8 @@ TEST_F(view_command, a_sites_pictures_are_those_of_its_view_and_damage_leaves_th
 
 TEST_F(view_command, steps_of_a_site_play_as_views_need_them) {
     for (const char* seed : {"1", "2", "3"}) {
-        must(std::string("sample explosion e.vdb --size 64 --seed ") + seed);
-        must(std::string("convert e.vdb --block 1 --soft-steps 0 -o s") + seed + ".ply");
+        must(std::string("sample explosion e.vdb --size 64 --set seed=") + seed);
+        must(std::string("convert e.vdb --block 1 --set soft-steps=0 -o s") + seed + ".ply");
     }
     must("page 's*.ply' -o site/ --site");
     play("site",
@@ -459,7 +459,7 @@ TEST_F(view_command, mouse_and_keys_reach_quantities) {
 
 TEST_F(view_command, steps_in_time_play_and_are_saved) {
     for (const char* seed : {"1", "2", "3"}) {
-        must(std::string("sample explosion e.vdb --size 64 --seed ") + seed);
+        must(std::string("sample explosion e.vdb --size 64 --set seed=") + seed);
         must(std::string("convert e.vdb --block 8 -o s") + seed + ".ply");
     }
     play("'s*.ply'",

@@ -46,7 +46,7 @@ class Contrast(PageTest):
         write_flow(cls.folder / "flow.ply", 4)
         write_model(cls.folder / "round.ply", [0, 0, 0, 1, 1, 1, 1])
         vog("page", "flow.ply", "round.ply", "-o", "page.html", "--set", "levels=1", "--show", "volume", "--slabs", 8, "--background", "system",
-            "--title", "A title", "--description", "Words below the title.", "--clip", "1,0,0,-9")
+            "--title", "A title", "--set", "description=Words below the title.", "--clip", "1,0,0,-9")
         vog("page", "flow.ply", "round.ply", "-o", "steps.html", "--set", "levels=1", "--show", "volume", "--slabs", 8, "--steps")
 
     def expect_contrast(self, picture, shown):

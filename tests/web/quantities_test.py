@@ -438,7 +438,7 @@ class Quantities(QuantityTest):
 
     def test_steps_play_scrub_and_keep_one_range(self):
         for step, block in ((1, 4), (2, 8), (10, 16)):
-            vog("convert", "plume.vdb", "-o", f"t_{step}.ply", "--block", block, "--soft-steps", 0)
+            vog("convert", "plume.vdb", "-o", f"t_{step}.ply", "--block", block, "--set", "soft-steps=0")
         vog("page", "t_*.ply", "-o", "steps.html", "--set", "levels=1")
         self.start("steps.html", "#subframes=1")
         self.browser.viewport(1000, 800, COARSE)

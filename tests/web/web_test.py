@@ -20,10 +20,10 @@ class Pages(PageTest):
         volume = sampled_cloud()
         # A GPU in software takes as long for a Gaussian as for some hundred pixels.
         for name, block in (("levels", 2), ("fine", 4), ("coarse", 8)):
-            vog("convert", volume, "-o", f"{name}.ply", "--block", block, "--soft-steps", 0)
+            vog("convert", volume, "-o", f"{name}.ply", "--block", block, "--set", "soft-steps=0")
         vog("page", "levels.ply", "-o", "levels.html", "--tf", "gray")
         vog("page", "fine.ply", "coarse.ply", "-o", "page.html", "--tf", "gray",
-            "--title", "Smoke & mirrors", "--description", "A test.")
+            "--title", "Smoke & mirrors", "--set", "description=A test.")
 
     # --- Pictures. ---
 
@@ -345,7 +345,7 @@ class Pages(PageTest):
 
     def test_a_title_is_text(self):
         title = "<img src=x onerror=document.title='broken'> & \"'</script><script>document.title='broken'"
-        vog("page", "coarse.ply", "-o", "title.html", "--title", title, "--description", title,
+        vog("page", "coarse.ply", "-o", "title.html", "--title", title, "--set", f"description={title}",
             "--name", title)
         self.open("title.html")
         self.assertEqual(self.value("document.title"), title)

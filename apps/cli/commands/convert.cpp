@@ -107,7 +107,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
     options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
     options.budget = cut.budget;
     options.error = cut_option(command) == "--error" ? cut.error : 0;
-    if (command.has("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
+    if (command.has(setting("mass-threshold"))) options.mass_threshold = cut.mass_threshold;
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;
     options.collective = ranks.collective;

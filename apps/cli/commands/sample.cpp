@@ -7,6 +7,8 @@
 #include "files/inputs.h"
 #include "files/outputs.h"
 #include "options/option_effects.h"
+#include "options/parser/settings.h"
+#include "options/parser/settings.h"
 #include "options/parser/validators.h"
 #include "terminal/terminal.h"
 #include "vog/volume_io.h"
@@ -90,7 +92,7 @@ void add_sample(CLI::App& app) {
                         SampleOptions{}.size, ParticleSampleOptions{}.size))
         ->check(CLI::Range(8, 1024));
     command
-        ->add_option("--seed", arguments->options.seed,
+        ->add_option(setting("seed"), arguments->options.seed,
                      "Seed of the random numbers: other seeds give other shapes")
         ->capture_default_str();
     command->add_flag("--half", arguments->half,

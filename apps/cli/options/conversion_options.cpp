@@ -141,7 +141,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     add("--block", moments.block_voxels,
         "One Gaussian per occupied cube of this edge, voxels: uniform cells")
         ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64, 128}));
-    add("--soft-steps", moments.soft_steps,
+    add(setting("soft-steps"), moments.soft_steps,
         fmt::format(
             "Steps of expectation-maximisation (EM) from hard cells, where a voxel counts for "
             "one Gaussian, to soft cells, where it is divided among several. 0: hard "
@@ -159,7 +159,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     add(setting("spread"), moments.spread, "Factor on every standard deviation, at constant mass")
         ->check(CLI::Range(0.5, 2.0))
         ->capture_default_str();
-    add("--mass-threshold", moments.mass_threshold,
+    add(setting("mass-threshold"), moments.mass_threshold,
         "Drop the cells of least mass, up to this fraction of the total mass")
         ->check(CLI::Range(0.0, 0.999))
         ->capture_default_str();

@@ -36,7 +36,7 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
         return command.add_option(name, value, text);
     };
     add("--title", arguments.title, "Title of the page; default: the name of the first model");
-    add("--description", arguments.description, "Text below the title");
+    add(setting("description"), arguments.description, "Text below the title");
     add("--name", arguments.names,
         "Name of a model in the page's selector; repeat once per model. Default: the file's name")
         ->expected(1)

@@ -30,7 +30,7 @@ struct PageArguments {
     std::optional<HtmlQuantity> chosen;  ///< of a sequence's first page
     std::optional<Subject> subject;      ///< of all models, in place of one: one camera for many
 };
-/// Adds --title, --description, --name, --precise, --steps, and the options of quantities and colours. Those of views
+/// Adds --title, --set description, --name, --precise, --steps, and the options of quantities and colours. Those of views
 /// (add_view_options) are apart.
 void add_page_options(CLI::App& command, PageArguments& arguments);
 

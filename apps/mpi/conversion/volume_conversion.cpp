@@ -329,8 +329,8 @@ VolumeConversion hard_by_default(VolumeConversion options, const Ranks& ranks) {
     moments.soft_steps = 0;
     if (ranks.first())
         cli::note(
-            "uniform cells are hard (as vog convert --soft-steps 0): overlapping cells need "
-            "voxels of other parts; --soft-steps N softens each part by itself");
+            "uniform cells are hard (as vog convert --set soft-steps=0): overlapping cells need "
+            "voxels of other parts; --set soft-steps=N softens each part by itself");
     return options;
 }
 

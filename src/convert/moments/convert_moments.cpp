@@ -58,8 +58,8 @@ std::string option_text(const MomentJob& job) {
                        : o.error > 0  ? fmt::format("--error {}", o.error)
                                       : "";
     const auto add = [&](const std::string& option) { text += (text.empty() ? "" : " ") + option; };
-    if (!job.overlaps()) add(fmt::format("--soft-steps {}", job.soft_steps()));
-    add(fmt::format("--mass-threshold {}", o.mass_threshold));
+    if (!job.overlaps()) add(fmt::format("--set soft-steps={}", job.soft_steps()));
+    add(fmt::format("--set mass-threshold={}", o.mass_threshold));
     if (o.spread != 1) text += fmt::format(" --set spread={}", o.spread);
     if (o.refine_seconds > 0) text += fmt::format(" --refine {}", o.refine_seconds);
     if (o.axis_aligned) text += " --axis-aligned";

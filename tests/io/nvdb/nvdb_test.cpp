@@ -393,7 +393,7 @@ class nvdb_larger_than_memory : public test::LargerThanMemory {};
 TEST_F(nvdb_larger_than_memory, a_grid_makes_the_same_model) {
     write_cube("cube.vdb", 32);
     vog::write(dir_ / "cube.nvdb", nano(grid_from_volume(read_vdb(dir_ / "cube.vdb"))));
-    expect_same("convert cube.nvdb --block 8 --soft-steps 0 -o", ".ply", 144);
+    expect_same("convert cube.nvdb --block 8 --set soft-steps=0 -o", ".ply", 144);
 }
 
 }  // namespace
