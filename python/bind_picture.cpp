@@ -85,9 +85,9 @@ class PictureScene {
     void prepare(PictureRequest& request) {
         if (!request.layers.empty()) return prepare_layers(request);
         const Show show = request.show;
-        std::string kind = is_field_map(show)  ? "map of " + request.field
-                           : is_by_value(show) ? "values of " + request.field
-                                               : "T";
+        std::string kind = is_by_value(show)      ? "values of " + request.field
+                           : shows_field(request) ? "map of " + request.field
+                                                  : "T";
         if (request.options.pixel_error) kind += ", cut";
         if (kind != kind_) {
             kind_.clear();
@@ -173,11 +173,11 @@ std::string transfer_json(const py::object& tf) {
 py::tuple state_of(const py::object& self) {
     const Picture& p = self.cast<const DrawnPicture&>().picture;
     const ColorScale& scale = p.scale;
-    return py::make_tuple(request_json(p.made.request), p.made.name, p.made.unit, p.sums.width,
-                          p.sums.height, self.attr("column"), self.attr("mean"),
-                          self.attr("deviation"), plane(self, p.sums.maximum),
-                          plane(self, p.opacity), py::cast(Bitmap(p.image)).attr("rgba"),
-                          static_cast<int>(scale.kind), scale.low, scale.high, p.extinction);
+    return py::make_tuple(
+        request_json(p.made.request), p.made.name, p.made.unit, p.sums.width, p.sums.height,
+        self.attr("column"), self.attr("mean"), self.attr("deviation"), plane(self, p.sums.maximum),
+        plane(self, p.sums.slice), plane(self, p.opacity), py::cast(Bitmap(p.image)).attr("rgba"),
+        static_cast<int>(scale.kind), scale.low, scale.high, p.extinction);
 }
 DrawnPicture picture_of(const py::tuple& state) {
     DrawnPicture drawn;
@@ -186,8 +186,8 @@ DrawnPicture picture_of(const py::tuple& state) {
     p.made.name = state[1].cast<std::string>(), p.made.unit = state[2].cast<std::string>();
     p.sums.width = state[3].cast<int>(), p.sums.height = state[4].cast<int>();
     std::size_t at = 5;
-    for (std::vector<float>* values :
-         {&p.sums.column, &p.sums.mean, &p.sums.deviation, &p.sums.maximum, &p.opacity}) {
+    for (std::vector<float>* values : {&p.sums.column, &p.sums.mean, &p.sums.deviation,
+                                       &p.sums.maximum, &p.sums.slice, &p.opacity}) {
         const py::object given = state[at++];
         if (given.is_none()) continue;
         const py::array_t<float, py::array::c_style | py::array::forcecast> array(given);
@@ -225,7 +225,8 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
             "extinction, of volume the opacity.")
         .def_property_readonly("column", &plane_of<&Sums::column>,
                                "[height, width] float32: integral of the density along the ray, "
-                               "of show 'T' times the extinction; None where it was not drawn.")
+                               "of show 'T' times the extinction, of 'slice' the density; None "
+                               "where it was not drawn.")
         .def_property_readonly("mean", &plane_of<&Sums::mean>,
                                "[height, width] float32: mean of the field along the ray, weighted "
                                "by density; None where it was not drawn.")

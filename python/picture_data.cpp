@@ -74,11 +74,11 @@ VoxelSource voxels_of(const py::object& data, const py::object& fields,
     }
     VoxelSource source;
     const std::string& name = request.field;
-    if (is_field_map(request.show) && !has_field(fields, name) && is_own(name, set->volumes)) {
+    if (shows_field(request) && !has_field(fields, name) && is_own(name, set->volumes)) {
         SampledField& field = source.fields.emplace_back(SampledField{name, "", false, {}});
         for (const Volume& volume : set->volumes)
             field.values.push_back(measure_field(volume, name));
-    } else if (is_field_map(request.show)) {
+    } else if (shows_field(request)) {
         auto values = voxel_fields_of(one_field(fields, name, "render"), set->volumes,
                                       lattices_of(set->volumes), set->volumes.size(), "render");
         const VoxelField& first = values.front().front();
@@ -100,7 +100,7 @@ void require_scalar(const Gaussians& model, const PictureRequest& request) {
 ModelSource model_of(const py::object& data, const PictureRequest& request) {
     std::shared_ptr<Gaussians> model;
     if (py::isinstance<Points>(data)) {
-        if (!is_depth(request.show))
+        if (shows_field(request))
             throw Error("a field of particles, expected a model or voxels: convert() them");
         const auto& points = data.cast<const Points&>();
         model = unlocked([&] { return std::make_shared<Gaussians>(convert_points(points)); });

@@ -36,6 +36,15 @@ inline constexpr double kLeastColumn = 1e-4;
 /// width, height  pixels; renderers refuse those below 1
 Camera default_view(const Subject& subject, int width, int height);
 
+struct SlicePlane;
+/// View of a slice: orthographic, from the side that the plane's normal points to, framed on the data's cross-section. Along x it has y to
+/// the right and z up, along y z and x, along z x and y. Scans are in radiological convention: axial from the feet, coronal from the
+/// front, sagittal from the left.
+/// plane  with its normal and offset
+/// share  of the picture's width or height that the cross-section covers
+Camera slice_view(const Subject& subject, const SlicePlane& plane, int width, int height,
+                  double share = 1);
+
 /// Box that axes outline, world units: of the active voxels, where they are known.
 Box outline_of(const Subject& subject);
 /// Subject of fitted views of pictures with axes: their box, with room for the coordinates around it.
@@ -65,8 +74,9 @@ enum class Show {
     deviation,  ///< standard deviation of a field along the ray, weighted by density
     volume,     ///< emission and absorption under a transfer function of a field's values
     maximum,    ///< largest value of a field on the ray
+    slice,      ///< density, or a field weighted by it, on a plane or averaged across it
 };
-/// Words of `vog render --show`, by the enum's order: "T", "column", "mean", "deviation", "volume", "maximum".
+/// Words of `vog render --show`, by the enum's order: "T", "column", "mean", "deviation", "volume", "maximum", "slice".
 std::span<const char* const> show_words();
 const char* word_of(Show show);
 /// throws  vog::Error listing the words, for another one
@@ -191,6 +201,17 @@ struct Marks {
     bool any() const { return color_bar || axes || scale_bar || !title.empty(); }
 };
 
+/// Plane of a slice.
+struct SlicePlane {
+    /// "x", "y", "z", or of scans "axial" (position along the patient's up), "coronal" (front) and "sagittal" (right); empty: the normal.
+    std::string axis{};
+    Vec3d normal{};                  ///< any length > 0; of an axis set by resolve()
+    std::optional<double> offset{};  ///< dot(normal, x); nothing: the middle of the data
+    friend bool operator==(const SlicePlane&, const SlicePlane&) = default;
+};
+/// Names of SlicePlane::axis.
+std::span<const char* const> slice_axes();
+
 /// A picture as a user asks for it. Open members have defaults, which resolve() sets.
 struct PictureRequest {
     Show show = Show::depth;
@@ -212,8 +233,15 @@ struct PictureRequest {
     std::optional<Renderer> renderer{};  ///< nothing: splat of models, reference of voxels
     RenderOptions options{};             ///< options of the renderer, and the clip
     std::optional<int> slabs{};  ///< depth slabs of volume and maximum; nothing: depth_slabs()
+    std::optional<SlicePlane> plane{};  ///< plane of a slice
+    std::optional<double> thickness{};  ///< slab that is averaged, > 0; nothing: the plane
     Marks marks{};
 };
+/// Whether a picture shows a field: slices may show the density itself.
+inline bool shows_field(const PictureRequest& request) {
+    return is_field_map(request.show) || is_by_value(request.show) ||
+           (request.show == Show::slice && !request.field.empty());
+}
 /// The request's depth slabs, or as many as what it shows has by default.
 inline int depth_slabs(const PictureRequest& request) {
     const int light = request.look.is_lit() ? kLitSlabs : kVolumeSlabs;
@@ -224,11 +252,12 @@ inline int depth_slabs(const PictureRequest& request) {
 /// data have another name for their own values.
 struct ResolvedPicture {
     PictureRequest request;
-    FieldChoice field{};        ///< for mean, deviation, volume and maximum
+    FieldChoice field{};        ///< for all but T, column, and slices of density
     ChosenTransfer chosen{};    ///< for volume
     TransferFunction colors{};  ///< for all other quantities
     std::string name, unit;  ///< name and unit of the shown number: "deviation of temperature", "K"
     double factor = 1;       ///< from the data's unit to `unit`
+    double background = 0;   ///< value where the density is 0, added to slices of density
     bool unit_is_label = false;  ///< the data state none, and the requested unit is only a label
     std::vector<ResolvedPicture> layers{};  ///< [request.layers] hidden ones are empty
     const Camera& camera() const { return *request.camera; }
@@ -263,6 +292,7 @@ struct Sums {
     std::vector<float> column;           ///< T at extinction 1
     std::vector<float> mean, deviation;  ///< as FieldMaps
     std::vector<float> maximum;          ///< NaN where nothing is
+    std::vector<float> slice;            ///< NaN outside of the data
     std::vector<Rgba> light;             ///< premultiplied colour, no background
 };
 

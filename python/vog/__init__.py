@@ -24,7 +24,7 @@ _show.show_models()
 _picture.extend_picture()
 
 from ._picture import Layer as Layer, Light as Light, Scale as Scale, Scene as Scene
-from ._projection import Projection as Projection, projection as projection
+from ._projection import Projection as Projection, projection as projection, slice as slice
 from ._readers import from_nifti as from_nifti, from_tiff as from_tiff, from_xarray as from_xarray, from_yt as from_yt
 from ._show import Page as Page, Settings as Settings, show as show
 from ._units import Units as Units, set_units as set_units, units_of as units_of

@@ -1,4 +1,4 @@
-"""Projections along an axis: column density, and means of fields weighted by density, as arrays for imshow."""
+"""Projections along an axis and slices: densities, and means of fields weighted by density, as arrays for imshow."""
 import json
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
@@ -23,12 +23,12 @@ class _Pair(NamedTuple):
 
 
 class Projection(_Pair):
-    """Array and extent of a projection: `array, extent = vog.projection(...)`.
+    """Array and extent of a projection or slice: `array, extent = vog.projection(...)`.
 
     array        [rows, columns] float64, rows from the bottom up, for imshow(origin="lower"); with a unit where units are known
     extent       (left, right, bottom, top), coordinates of the outer edges of the pixels, in `length_unit`
-    field        name of the projected field; '' for column density
-    quantity     'column', 'mean', 'deviation' or 'integral'
+    field        name of the shown field; '' for column density, and for density on a slice
+    quantity     'column', 'mean', 'deviation' or 'integral'; 'slice'
     axes         the two directions of the picture, right and up, as unit vectors [2, 3]
     towards      unit vector towards the observer
     unit         unit of the array: an object or a text; None: not known
@@ -89,7 +89,7 @@ class Projection(_Pair):
 
     def __repr__(self) -> str:
         rows, columns = np.shape(self.array)
-        what = "column density" if self.quantity == "column" else f"{self.quantity} of {self.field}"
+        what = {"column": "column density", "slice": f"slice of {self.field or 'density'}"}.get(self.quantity, f"{self.quantity} of {self.field}")
         unit = f" [{self.unit}]" if self.unit is not None else ""
         return f"<vog.Projection: {what}{unit}, {columns}x{rows}, extent {tuple(round(x, 6) for x in self.extent)}>"
 
@@ -270,7 +270,7 @@ def projection(
                 or the field's unit; without units a plain array
 
     Every pixel is the exact integral along the ray through its centre, of Gaussians as of voxels. The sum of the pixels times
-    their area is the mass to the error of that sampling (docs/python.md, "Projections").
+    their area is the mass to the error of that sampling (docs/python.md, "Projections and slices").
 
     Returns a Projection, which unpacks to (array, extent).
 
@@ -281,15 +281,58 @@ def projection(
     >>> bool(np.allclose(array, 3.0 * 2 * 0.5))  # density times two voxels
     True
     """
+    return _mapped(data, field, axis, width, resolution, center, up, quantity or ("mean" if field else "column"), fields, unit)
+
+
+def slice(  # noqa: A001 - the field's word
+    data: Any,
+    axis: _Direction = "z",
+    position: Any = None,
+    field: Optional[str] = None,
+    width: Any = None,
+    resolution: Union[int, "tuple[int, int]"] = 512,
+    *,
+    thickness: Any = None,
+    center: Any = None,
+    up: Optional[_Direction] = None,
+    fields: Optional["dict[str, Any]"] = None,
+    unit: Any = None,
+) -> Projection:
+    """Slices a model or a volume across an axis: array and extent, for imshow.
+
+    axis       normal of the plane, towards the observer, as projection() takes it, with the same axes of the picture
+    position   coordinate of the plane along the axis, world units or with a unit: (5, 'Mpc'); None: the middle of the data
+    field      name of a field at the plane, weighted by density; None: the density
+    thickness  average over this length across the plane: the mean of density, or of the field weighted by density; None: the plane itself
+
+    Data, width, resolution, center, up, fields and unit are those of projection(). Of a model the density is the exact sum of its
+    Gaussians at the centre of each pixel; of voxels a pixel has the value of the voxel that holds its centre, of levels the finest.
+    NaN outside of the data. For a scan's planes by name, vog.render(data, show="slice", plane="axial=12").
+
+    Returns a Projection, which unpacks to (array, extent).
+
+    >>> volume = vog.Volume.from_numpy(np.arange(32.0).reshape(4, 4, 2), voxel_size=0.5)
+    >>> array, extent = vog.slice(volume, "z", 0.5, resolution=4)
+    >>> array[0].tolist(), extent
+    ([1.0, 9.0, 17.0, 25.0], (-0.25, 1.75, -0.25, 1.75))
+    """
+    try:
+        return _mapped(data, field, axis, width, resolution, center, up, "slice", fields, unit, position, thickness)
+    except (_vog.Error, TypeError) as error:
+        raise type(error)(str(error).replace("projection:", "slice:", 1)) from None
+
+
+def _mapped(
+    data: Any, field: Any, axis: Any, width: Any, resolution: Any, center: Any, up: Any, quantity: str, fields: Any, unit: Any, position: Any = None, thickness: Any = None
+) -> Projection:
     if isinstance(data, (list, tuple)) and data and all(isinstance(one, _vog.Volume) for one in data):
         data = _vog.Levels(data)
     if not isinstance(data, (_vog.Gaussians, _vog.Volume, _vog.Levels)):
         hint = "; vog.convert makes one of Points" if isinstance(data, _vog.Points) else ""
         raise TypeError(f"projection: got {described(data)}, expected Gaussians, a Volume, Levels or a list of Volumes{hint}")
-    if quantity is None:
-        quantity = "mean" if field else "column"
+    flat = quantity == "slice"
     allowed = ("mean", "deviation", "integral") if field else ("column",)
-    if quantity not in allowed:
+    if quantity not in allowed and not flat:
         raise _vog.Error(f"projection: quantity '{quantity}' {'of a field' if field else 'without a field'}, expected {' or '.join(allowed)}")
     units = units_of(data)
     right, above, towards = _frame(axis, up)
@@ -306,6 +349,8 @@ def projection(
         if len(parts) != 3:
             raise _vog.Error(f"projection: center {described(center)}, expected three numbers")
         middle = axes @ np.array([_length(part, units.length, "center") for part in parts])
+    if position is not None:
+        middle[2] = _length(position, units.length, "position")
     if width is None:
         reach = 2 * np.maximum(high - middle, middle - low)
         sides = (float(reach[0]), float(reach[1]))
@@ -322,13 +367,15 @@ def projection(
     place = middle @ axes
     front = place + towards * (max((_corners(*box) @ towards).max() - middle[2], 0) + deep if box is not None else deep)
     camera = _vog.Camera(front, place, above, orthographic_width=sides[0])
-    array, picture = _drawn(data, camera, (columns, rows), field, quantity, fields)
+    plane = None if not flat else [*map(float, towards), float(middle[2])]
+    thick = None if thickness is None else _length(thickness, units.length, "thickness")
+    array, picture = _drawn(data, camera, (columns, rows), field, quantity, fields, plane, thick)
     field_unit = picture.unit
     extent = (middle[0] - sides[0] / 2, middle[0] + sides[0] / 2, middle[1] - sides[1] / 2, middle[1] + sides[1] / 2)
 
     natural = None
     if units.density is not None and units.length is not None:
-        natural = product(units.density, units.length, 1, "projection")
+        natural = product(units.density, units.length, 0 if flat else 1, "projection")
     if field:
         known = parsed(field_unit, "projection", natural) if field_unit and natural is not None else None
         natural = known if quantity != "integral" else known * natural if known is not None else None
@@ -366,12 +413,14 @@ def _converted(quantity: Any, unit: Any) -> Any:
         raise _vog.Error(f"projection: unit '{unit}', expected one that {quantity.units if hasattr(quantity, 'units') else quantity.unit} converts to") from None
 
 
-def _drawn(data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optional[str], quantity: str, fields: Any) -> "tuple[_Array, Any]":
+def _drawn(
+    data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optional[str], quantity: str, fields: Any, plane: Any, thickness: Any
+) -> "tuple[_Array, Any]":
     """Array [rows, columns] from the bottom up, and the picture whose numbers it holds."""
     if not field and fields is not None:
         raise _vog.Error("projection: fields without a field, expected the name of one")
-    show = "column" if not field else "deviation" if quantity == "deviation" else "mean"
-    picture: Any = render(data, camera, size, show=show, field=field or "", fields=fields)
+    show = quantity if plane else "column" if not field else "deviation" if quantity == "deviation" else "mean"
+    picture: Any = render(data, camera, size, show=show, field=field or "", fields=fields, plane=plane, thickness=thickness)
     shown = np.asarray(picture.values, dtype=float)
     if quantity == "integral":
         shown = np.where(picture.column > 0, shown * picture.column, 0.0)

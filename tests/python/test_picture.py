@@ -14,7 +14,7 @@ X, Y, Z = np.mgrid[:24, :24, :24].astype("f4") - 11.5
 BALL = np.exp(-(X**2 + Y**2 + Z**2) / 60).astype("f4")
 BALL[BALL < 0.02] = 0
 HEAT = {"heat": {"value": 300 + 10 * X, "unit": "K"}, "wind": np.stack([X, 0 * Y, -Z], axis=-1)}
-SHOWS = ("T", "column", "mean", "deviation", "maximum", "volume")
+SHOWS = ("T", "column", "mean", "deviation", "maximum", "volume", "slice")
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def same(one, other):
 
 def shown(show, **more):
     """Keywords of a quantity, with a field where it needs one."""
-    return {"show": show, **({"field": "density"} if show in ("mean", "deviation") else {}), **more}
+    return {"show": show, **({"field": "density"} if show in ("mean", "deviation") else {"plane": "z"} if show == "slice" else {}), **more}
 
 
 @pytest.mark.parametrize("show", SHOWS)
@@ -105,7 +105,7 @@ def test_the_command_and_python_take_each_others_requests(tmp_path, command, sou
     if values:
         assert np.array_equal(np.load(tmp_path / "q.npy"), picture.values, equal_nan=True)
     # The command's picture, drawn here.
-    field = ["--field", "density"] if show in ("mean", "deviation") else []
+    field = ["--field", "density"] if show in ("mean", "deviation") else ["--plane", "z"] if show == "slice" else []
     command("render", name, "--show", show, *field, "--size", "48x40", "--tf", "cividis", "--axes", "-o", "c.png", *values)
     again = vog.render(data, **request_of(tmp_path / "c.png"))
     again.save(tmp_path / "d.png")
@@ -305,6 +305,7 @@ def test_files(tmp_path, gas):
 
 BAD = [
     ({"show": "mode"}, "show"), ({"show": 3}, "show"), ({"show": "mean"}, "show 'mean'"), ({"show": "mean", "field": "p"}, "no field 'p'"),
+    ({"show": "slice", "plane": "w=1"}, "plane w=1"), ({"show": "slice", "plane": "z", "thickness": 0}, "thickness 0"),
     ({"show": "maximum", "field": 3}, "field 3"), ({"show": "maximum", "fields": {"a": X}}, "fields"),
     ({"tf": "no-such-map"}, "tf: no-such-map: neither a file nor the name"), ({"tf": np.zeros((2, 5))}, "tf"), ({"tf": {"colors": 3}}, "tf"),
     ({"show": "column", "range": (1, 0)}, "range"), ({"show": "column", "range": 3}, "range"), ({"show": "column", "range": (0, np.nan)}, "range"),

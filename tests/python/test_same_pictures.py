@@ -8,7 +8,7 @@ import pytest
 import vog
 from conftest import request_of, same_picture
 
-SHOWS = ("T", "column", "mean", "deviation", "maximum", "volume")
+SHOWS = ("T", "column", "mean", "deviation", "maximum", "volume", "slice")
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +37,9 @@ def test_the_command_and_python_draw_the_same(command, tmp_path, sources, kind, 
     data, inputs = sources[kind]
     field = ["--field", "density"] if show in ("mean", "deviation") else []
     values = [] if show == "volume" else ["--values-out", "v.npy"]
-    command("render", *inputs, "--show", show, *field, *values, "-o", "command.png")
-    picture = vog.render(data, show=show, field="density" if field else "")
+    plane = ["--plane", "y=0.1"] if show == "slice" else []
+    command("render", *inputs, "--show", show, *field, *plane, *values, "-o", "command.png")
+    picture = vog.render(data, show=show, field="density" if field else "", plane=plane[-1] if plane else None)
     picture.save(tmp_path / "python.png")
     assert same_picture(tmp_path / "python.png", tmp_path / "command.png")
     if show == "volume":  # whose numbers are colours

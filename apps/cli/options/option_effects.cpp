@@ -111,12 +111,10 @@ const std::vector<Row> kRows = {
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
     {"render", "--depth-out", "show", "T column", "--values-out FILE.exr"},
-    {"render", "--values-out", "show", "T column mean deviation maximum"},
+    {"render", "--values-out", "show", "T column mean deviation maximum slice"},
     {"render", "--range --scale --set.least-column", "output", "picture film"},
     {"render", "--color-bar --axes --scale-bar --title --tf --background --blend", "output",
      "picture film"},
-    // How it is drawn.
-    {"render", "--interpolation=linear", "show", "T column mean deviation volume"},
     // Other commands.
     {"voxelize", "--voxel-size", "--like", "-"},
     {"voxelize", "--grid --within", "--like", "*"},

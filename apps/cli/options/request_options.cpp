@@ -141,7 +141,9 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
             continue;
         const OptionGroup grouped(command,
                                   general && !group.empty() ? group : spelled(member.group));
-        add_option(command, words, member);
+        RequestMember shown = member;
+        std::erase(shown.choices, word_of(Show::slice));  // of pictures alone
+        add_option(command, words, shown);
     }
 }
 

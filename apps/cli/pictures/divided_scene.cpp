@@ -222,7 +222,7 @@ void require_addable(const PictureRequest& request, FileKind kind) {
             "holds only some of them; expected --renderer splat, or one process (vog render)",
             show));
     const bool on_gpu = *request.renderer == Renderer::cuda || *request.renderer == Renderer::optix;
-    const bool volumes_of_field = kind == FileKind::volume && is_field_map(request.show);
+    const bool volumes_of_field = kind == FileKind::volume && shows_field(request);
     if (on_gpu && (by_value || volumes_of_field))
         throw Error(fmt::format("{}: {} draws no parts of a {}, expected {}", show,
                                 info_of(*request.renderer).name,
@@ -244,7 +244,7 @@ void load_divided(const DrawingArguments& arguments, const PictureRequest& reque
     inputs.scene.subject = part.subject;
     inputs.notes.insert(inputs.notes.begin(), part.notes.begin(), part.notes.end());
     const std::size_t levels = part.is_mesh ? part.volumes : 0;
-    if (is_field_map(request.show))
+    if (shows_field(request) && !is_by_value(request.show))
         load_parts_with_field(arguments, request, ranks, std::move(part), inputs);
     else if (!is_by_value(request.show))
         load_parts(std::move(part), inputs);

@@ -50,7 +50,7 @@ std::size_t covered_by(const Picture& picture) {
     const std::span<const float> values =
         is_field_map(show) ? picture.sums.column : picture.values();
     return static_cast<std::size_t>(std::ranges::count_if(values, [&](float value) {
-        return show == Show::maximum ? !std::isnan(value) : value > 0;
+        return show == Show::maximum || show == Show::slice ? !std::isnan(value) : value > 0;
     }));
 }
 
@@ -270,7 +270,8 @@ namespace {
 /// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
 RenderArguments of_view(RenderArguments arguments, const GivenOptions& command,
                         const RenderRanks& ranks) {
-    if (!all_sites(arguments.drawing.inputs) || arguments.turntable || ranks.divided())
+    if (!all_sites(arguments.drawing.inputs) || arguments.turntable || ranks.divided() ||
+        arguments.request.show == Show::slice)
         return arguments;
     Subject subject;
     for (const std::string& input : arguments.drawing.inputs)
@@ -290,7 +291,7 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
                                              const RenderRanks& ranks) {
     PictureRequest request = given.request;
     check_arguments(given, ranks.is_root);
-    const RenderArguments arguments = of_view(given, command, ranks);
+    RenderArguments arguments = of_view(given, command, ranks);
     const bool layered = !request.layers.empty();
     if (!layered)
         request.renderer =
@@ -307,6 +308,11 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
     ResolvedPicture picture = resolve(request, inputs.scene);
+    if (request.show == Show::slice && !arguments.view.stored) {
+        arguments.view.stored = picture.camera();
+        if (arguments.view.orthographic && keeps_stored(arguments.view, command))
+            throw UsageError("--orthographic has no effect with --show slice, whose own view is");
+    }
     if (picture.unit_is_label && ranks.is_root)
         print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",
                                  arguments.drawing.inputs.front(), picture.name, request.unit)});

@@ -181,6 +181,8 @@ void take_request(RenderArguments& arguments, GivenOptions& command) try {
                                                            same_field && !field->second.empty() &&
                                                            kind == FileKind::volume)
         request.field = field->second.front(), arguments.reading["--field"] = field->second;
+    // Another plane of a slice has a view of its own.
+    if (record.request.plane && arguments.words.has("plane")) request.camera.reset();
     arguments.view.stored = request.camera;
     place_layers(arguments.drawing, request);
 } catch (const Error& error) {

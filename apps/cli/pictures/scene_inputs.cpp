@@ -33,10 +33,6 @@ void share_range(Field& field, const RenderRanks& ranks) {
     field.lower = -ends[0], field.upper = ends[1];
 }
 
-bool shows_field(const PictureRequest& request) {
-    return is_field_map(request.show) || is_by_value(request.show);
-}
-
 void load_gaussians(const DrawingArguments& arguments, const PictureRequest& request,
                     const RenderRanks& ranks, SceneInputs& inputs) {
     const bool points = inputs.kind == FileKind::points;
@@ -109,7 +105,8 @@ void load_voxels(const DrawingArguments& arguments, const PictureRequest& reques
         try {
             return load_volumes(arguments.inputs, arguments.volume);
         } catch (const Error&) {
-            auto loaded = by_value ? load_signed(arguments, request.field) : std::nullopt;
+            const bool signed_values = by_value || request.show == Show::slice;
+            auto loaded = signed_values ? load_signed(arguments, request.field) : std::nullopt;
             if (!loaded) throw;
             signed_field = std::move(loaded->second);
             return std::move(loaded->first);
@@ -126,7 +123,7 @@ void load_voxels(const DrawingArguments& arguments, const PictureRequest& reques
     }
     inputs.notes = set.notes;
     VoxelSource source;
-    if (shows_field(request)) {
+    if (shows_field(request) || signed_field) {
         SampledField field;
         if (signed_field)
             field.values.push_back(std::move(*signed_field));

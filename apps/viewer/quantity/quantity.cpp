@@ -17,8 +17,9 @@ namespace vog::viewer {
 namespace {
 
 /// By the order of vog::Show.
-constexpr const char* kNames[] = {"visibility",        "column density", "mean on rays",
-                                  "deviation on rays", "volume",         "maximum on rays"};
+constexpr const char* kNames[] = {
+    "visibility", "column density",  "mean on rays", "deviation on rays",
+    "volume",     "maximum on rays", "slice"};
 
 bool same(const FieldChoice& a, const FieldChoice& b) {
     return a.field == b.field && a.part == b.part;
@@ -39,6 +40,7 @@ Show shaded_as(const Quantity& quantity) {
 
 std::vector<FieldChoice> field_choices(const Fields& fields, Show show) {
     std::vector<FieldChoice> all;
+    if (show == Show::slice) return all;  // not of windows
     for (const ScalarField& field : fields.scalar) all.push_back({field.name, FieldPart::value});
     if (is_by_value(show)) return all;
     for (const VectorField& field : fields.vector) {
@@ -51,6 +53,8 @@ std::vector<FieldChoice> field_choices(const Fields& fields, Show show) {
 
 FieldChoice field_for(const Fields& fields, Show show, const std::string& text) {
     const std::vector<FieldChoice> all = field_choices(fields, show);
+    if (show == Show::slice)
+        throw Error("slices are not shown in windows, expected vog render --show slice");
     if (all.empty())
         throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
                                 is_by_value(show) ? "scalar " : ""));

@@ -31,23 +31,25 @@ class VoxelLookup {
     /// Whether all of these voxels are active.
     bool covers(Vec3i lower, Vec3i upper) const;
 
-  private:
+    /// Node around a voxel, whose active ones are not all of a leaf; neither: none.
     struct Block {
         const Leaf* leaf = nullptr;
         const Tile* tile = nullptr;
     };
+    Block find(Vec3i index) const;
+    static int offset_of(Vec3i index) { return leaf_offset(index.x & 7, index.y & 7, index.z & 7); }
+
+  private:
     struct Hash {
         std::size_t operator()(Vec3i v) const;
     };
     template <class Node>
     using Map = std::unordered_map<Vec3i, const Node*, Hash>;
 
-    static int offset_of(Vec3i index) { return leaf_offset(index.x & 7, index.y & 7, index.z & 7); }
     static Vec3i origin(Vec3i index, int edge) {
         return {index.x & ~(edge - 1), index.y & ~(edge - 1), index.z & ~(edge - 1)};
     }
     const Tile* tile_at(Vec3i index, int edge) const;
-    Block find(Vec3i index) const;
     /// lower, upper  relative to the leaf's origin; clipped to the leaf
     static bool covers(const Leaf& leaf, Vec3i lower, Vec3i upper);
     static bool meets(const Leaf& leaf, Vec3i lower, Vec3i upper);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/picture/slice_plane.h"
+#include "shade/annotation/bitmap_font.h"
 #include "vog/error.h"
 #include "vog/exposure.h"
 #include "vog/picture.h"
@@ -17,8 +19,8 @@ namespace {
 void require_finite(const Sums& sums, Show show, const Scene& scene) {
     const std::string name = scene.name.empty() ? "" : scene.name + ": ";
     const auto beyond = [](float value) { return std::isinf(value); };
-    if (is_field_map(show)) {
-        for (const auto* plane : {&sums.column, &sums.mean, &sums.deviation})
+    if (is_field_map(show) || show == Show::slice) {
+        for (const auto* plane : {&sums.column, &sums.mean, &sums.deviation, &sums.slice})
             if (std::ranges::any_of(*plane, beyond))
                 throw Error(name +
                             "a column or a value of the field beyond the range of 32-bit floats: "
@@ -114,9 +116,10 @@ void color_map(Picture& picture) {
     Sums& sums = picture.sums;
     const auto stated = stated_scale(request);
     ColoredMap colored;
-    if (request.show == Show::maximum) {
-        colored = {{sums.width, sums.height, sums.maximum},
-                   stated ? *stated : fitted_scale(sums.maximum, request.fit)};
+    if (request.show == Show::maximum || request.show == Show::slice) {
+        const std::span<const float> shown = picture.values();
+        colored = {{sums.width, sums.height, {shown.begin(), shown.end()}},
+                   stated ? *stated : fitted_scale(shown, request.fit)};
     } else {
         FieldMaps maps{sums.width, sums.height, std::move(sums.column), std::move(sums.mean),
                        std::move(sums.deviation)};
@@ -170,6 +173,28 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
     picture.image = annotated(picture.image, colors, picture.scale, around, background);
 }
 
+/// Letters of a patient's directions at the middles of the sides of a slice.
+void letter(Picture& picture, const Scene& scene) {
+    using namespace shading;
+    const auto sides = slice_sides(picture.made.camera(), scene.subject.content.standing);
+    if (!sides) return;
+    Image& image = picture.image;
+    const int scale = text_scale(image.height), gap = 2 * scale;
+    const int x = (image.width - kGlyphWidth * scale) / 2,
+              y = (image.height - kGlyphHeight * scale) / 2;
+    const int right = image.width - gap - kGlyphWidth * scale,
+              below = image.height - gap - kGlyphHeight * scale;
+    const auto draw = [&](int column, int row, const std::string& text) {
+        // White with a dark edge, over any colours.
+        for (const int dx : {-1, 0, 1})
+            for (const int dy : {-1, 0, 1})
+                draw_text(image, column + dx, row + dy, text, {0, 0, 0, 1}, {scale});
+        draw_text(image, column, row, text, {1, 1, 1, 1}, {scale});
+    };
+    draw(gap, y, sides->left), draw(right, y, sides->right);
+    draw(x, gap, sides->above), draw(x, below, sides->below);
+}
+
 }  // namespace
 
 std::span<const float> Picture::values() const {
@@ -180,6 +205,8 @@ std::span<const float> Picture::values() const {
             return sums.deviation;
         case Show::maximum:
             return sums.maximum;
+        case Show::slice:
+            return sums.slice;
         case Show::volume:
             return opacity;
         default:
@@ -200,7 +227,7 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
     Picture finished{{}, std::move(sums), {}, 1, picture, {}};
     Sums& own = finished.sums;
     if (show == Show::column) multiply(own.column, picture.factor);
-    for (std::vector<float>* plane : {&own.mean, &own.deviation, &own.maximum})
+    for (std::vector<float>* plane : {&own.mean, &own.deviation, &own.maximum, &own.slice})
         multiply(*plane, picture.factor);
     TransferFunction colors = picture.colors;
     if (show == Show::volume) {
@@ -214,6 +241,7 @@ Picture finish(Sums sums, const ResolvedPicture& picture, const Scene& scene) {
     } else {
         color_map(finished);
     }
+    if (show == Show::slice) letter(finished, scene);
     if (picture.request.marks.any()) mark(finished, colors, scene);
     complete(finished);
     return finished;
@@ -226,9 +254,9 @@ void write_numbers(const std::filesystem::path& file, const Picture& picture,
     const bool exr = file.extension() == ".exr";
     if (is_depth(show)) {
         write_values(file, picture.depth(), record);
-    } else if (exr && is_by_value(show)) {
+    } else if (exr && !is_field_map(show)) {
         const NamedValues channels[] = {
-            {show == Show::maximum ? "maximum" : "opacity", picture.values()}};
+            {show == Show::volume ? "opacity" : word_of(show), picture.values()}};
         write_channels(file, sums.width, sums.height, channels, record);
     } else if (exr) {
         const NamedValues channels[] = {

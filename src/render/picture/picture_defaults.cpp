@@ -83,8 +83,8 @@ VoxelField component_of(VoxelField field, const std::string& part, const Volume&
 }
 
 namespace {
-constexpr std::array<const char*, 6> kShowWords = {"T",         "column", "mean",
-                                                   "deviation", "volume", "maximum"};
+constexpr std::array<const char*, 7> kShowWords = {"T",      "column",  "mean", "deviation",
+                                                   "volume", "maximum", "slice"};
 }
 
 std::span<const char* const> show_words() { return kShowWords; }

@@ -109,13 +109,19 @@ struct PictureRenderer::State {
         SourceRenderer& renderer = prepared(picture.request);
         const Show show = picture.request.show;
         const bool depth = is_depth(show);
-        if (is_field_map(show) && several() && !scene.has_voxels()) {
+        const bool slice = show == Show::slice;
+        // The reference joins maps of fields itself.
+        const bool joined = scene.has_voxels() &&
+                            (!slice || (picture.request.thickness && !picture.field.field.empty()));
+        if ((is_field_map(show) || slice) && several() && !joined) {
             sums.width = picture.request.width, sums.height = picture.request.height;
-            SourceRenderer::take(joint_maps(picture.field, *scene.collective,
-                                            [&](const FieldChoice& choice) {
-                                                return renderer.fields(picture, choice, progress);
-                                            }),
-                                 sums);
+            SourceRenderer::take(
+                joint_maps(picture.field, *scene.collective,
+                           [&](const FieldChoice& choice) {
+                               return slice ? renderer.slice(picture, choice, progress)
+                                            : renderer.fields(picture, choice, progress);
+                           }),
+                sums);
             return;
         }
         if (depth && is_empty()) {
@@ -147,6 +153,7 @@ void PictureRenderer::draw(const ResolvedPicture& picture, Sums& sums, const Pro
     state_->report = {};
     if (!picture.layers.empty()) return state_->draw_layers(picture, sums, progress);
     state_->draw_joint(of_period(picture, state_->scene), sums, progress);
+    if (picture.request.show == Show::slice) set_slice(picture, sums);
     state_->report = state_->prepared(picture.request).report;
 }
 

@@ -44,14 +44,9 @@ class ReferencePictures : public SourceRenderer {
             return render_field_reference(volumes(), values(sources_.front(), choice.field),
                                           choice.part, picture.camera(), request.width,
                                           request.height, options, voxels_);
-        std::vector<const Levels*> levels;
-        std::vector<std::span<const VoxelField>> fields;
-        for (const VoxelSource& source : sources_) {
-            levels.push_back(source.volumes.get());
-            fields.push_back(values(source, choice.field));
-        }
-        return render_field_reference(levels, fields, choice.part, picture.camera(), request.width,
-                                      request.height, options, voxels_);
+        const std::vector<const Levels*> levels = sets<const Levels>();
+        return render_field_reference(levels, values(choice.field), choice.part, picture.camera(),
+                                      request.width, request.height, options, voxels_);
     }
 
     PreparedLayer layer(const ResolvedPicture& picture) override {
@@ -60,6 +55,13 @@ class ReferencePictures : public SourceRenderer {
     }
 
   protected:
+    FieldMaps section(const ResolvedPicture& picture, const FieldChoice& choice,
+                      const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        return slice_voxels(sets<const VolumeSet>(), values(choice.field), choice.part,
+                            picture.camera(), request.width, request.height,
+                            slice_options(picture, progress));
+    }
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
         prepare(picture);
@@ -111,6 +113,19 @@ class ReferencePictures : public SourceRenderer {
     std::span<const Volume> volumes() const { return sources_.front().volumes->volumes; }
     static std::span<const VoxelField> values(const VoxelSource& source, const std::string& field) {
         return std::ranges::find(source.fields, field, &SampledField::name)->values;
+    }
+    template <class Set>
+    std::vector<Set*> sets() const {
+        std::vector<Set*> all;
+        for (const VoxelSource& source : sources_) all.push_back(source.volumes.get());
+        return all;
+    }
+    /// [sources] a field; none without a name.
+    std::vector<std::span<const VoxelField>> values(const std::string& field) const {
+        std::vector<std::span<const VoxelField>> all;
+        if (!field.empty())
+            for (const VoxelSource& source : sources_) all.push_back(values(source, field));
+        return all;
     }
     ReferenceOptions reference_options(const PictureRequest& request,
                                        const Progress& progress) const {

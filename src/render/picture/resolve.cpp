@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "render/picture/request/request_effects.h"
+#include "render/picture/slice_plane.h"
 #include "shade/values/unit_range.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -72,6 +73,31 @@ double factor_between(const std::string& stated, const std::string& requested) {
                        fmt::format(" {}: the data are in {}, expected a unit that it converts to, "
                                    "or none",
                                    requested, stated));
+}
+
+/// Name and background of the density on a slice.
+/// returns  its unit
+std::string name_density(ResolvedPicture& picture, const Scene& scene) {
+    const std::string per_area = " per area", &column = scene.column;
+    picture.name = column.ends_with(per_area)
+                       ? column.substr(0, column.size() - per_area.size()) + " per volume"
+                       : "density";
+    std::string unit = scene.subject.content.units.density;
+    double ends[2] = {0, 0};  // minus the least, and the largest background
+    const auto take = [&](const std::string& name, const std::string& of_field, double background) {
+        ends[0] = -background, ends[1] = background;
+        if (!name.empty()) picture.name = name;
+        if (!of_field.empty()) unit = of_field;
+    };
+    if (!scene.has_voxels()) {
+        const ScalarField* field = scalar_to_show(scene.model().model->fields);
+        if (field && field->is_measure) take(field->name, field->unit, field->background);
+    } else if (const auto& volumes = scene.voxels().volumes->volumes; !volumes.empty()) {
+        take(volumes.front().name, "", volumes.front().background);
+    }
+    if (scene.collective && scene.collective->several()) scene.collective->max(ends);
+    picture.background = -ends[0] < 0 ? -ends[0] : ends[1];
+    return unit;
 }
 
 /// Colour and opacity of a volume, and the request that states them.
@@ -232,6 +258,11 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
         throw RequestError("range", fmt::format(" {},{}: expected values above 0 with `scale` log",
                                                 range->first, range->second));
     request.options.trace.extinction = request.extinction.value_or(1);
+    if (request.show == Show::slice && request.plane)
+        request.plane = resolved_plane(*request.plane, request.thickness, scene.subject);
+    if (!request.camera && request.show == Show::slice && request.plane)
+        request.camera = slice_view(scene.subject, *request.plane, request.width, request.height,
+                                    request.marks.axes ? kShareWithAxes : 1);
     if (!request.camera)
         request.camera = default_view(request.marks.axes ? with_axes(scene.subject) : scene.subject,
                                       request.width, request.height);
@@ -252,13 +283,14 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     }
     picture.name = show == Show::depth ? "T" : scene.column;
     std::string stated = show == Show::column ? unit_product(units.density, units.length) : "";
-    if (is_field_map(show) || is_by_value(show)) {
+    if (shows_field(request)) {
         const Fields fields = names_of(scene);
         picture.field = field_of(request, scene, fields);
         const std::string label = field_label(picture.field);
         picture.name = show == Show::volume ? "volume of " + label : quantity_label(show, label);
         stated = unit_of(fields, picture.field.field);
     }
+    if (show == Show::slice && request.field.empty()) stated = name_density(picture, scene);
     picture.unit = request.unit.empty() ? stated : request.unit;
     picture.factor = factor_between(stated, request.unit);
     picture.unit_is_label = stated.empty() && !request.unit.empty();

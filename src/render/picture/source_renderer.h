@@ -10,6 +10,7 @@
 #include "render/gpu/sums/gpu_sums.h"
 #include "render/reference/reference.h"
 #include "render/splat/volume/volume_splat.h"
+#include "render/slice/slice.h"
 #include "vog/picture.h"
 
 namespace vog::pictures {
@@ -45,6 +46,8 @@ class SourceRenderer {
             case Show::mean:
             case Show::deviation:
                 return take(fields(picture, picture.field, progress), sums);
+            case Show::slice:
+                return take(slice(picture, picture.field, progress), sums);
             case Show::maximum:
                 sums.maximum = maximum(picture, progress).value;
                 return;
@@ -74,6 +77,9 @@ class SourceRenderer {
     virtual PreparedLayer layer(const ResolvedPicture&) {
         throw Error("layers are drawn by splat and reference");
     }
+    /// Density on the request's plane, or its mean across it, and of a field its mean there; without a field means are 0.
+    FieldMaps slice(const ResolvedPicture& picture, const FieldChoice& choice,
+                    const Progress& progress);
 
     static void take(FieldMaps maps, Sums& sums) {
         sums.column = std::move(maps.column);
@@ -84,6 +90,10 @@ class SourceRenderer {
     DrawReport report;  ///< on the last picture
 
   protected:
+    /// The slice on the plane itself.
+    virtual FieldMaps section(const ResolvedPicture&, const FieldChoice&, const Progress&) {
+        throw Error("no slices by this renderer, expected splat or reference");
+    }
     virtual void depth(const ResolvedPicture& picture, DepthImage& image,
                        const Progress& progress) = 0;
     virtual ValueMap maximum(const ResolvedPicture& picture, const Progress& progress) = 0;
@@ -119,6 +129,10 @@ std::unique_ptr<SourceRenderer> gpu_voxel_pictures(const VoxelSource& source);
 VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const PreparedLayer> prepared,
                             std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
                             const Progress& progress);
+/// Options of a slice, which are those of the request.
+SliceOptions slice_options(const ResolvedPicture& picture, const Progress& progress);
+/// Moves the shown numbers of a slice to Sums::slice.
+void set_slice(const ResolvedPicture& picture, Sums& sums);
 
 /// Maps of the parts of several processes, on the root: columns add, means and deviations by the columns.
 /// draw  maps of this process's part

@@ -35,6 +35,12 @@ class SplatPictures : public SourceRenderer {
     PreparedLayer layer(const ResolvedPicture& picture) override { return {&slabs(picture)}; }
 
   protected:
+    FieldMaps section(const ResolvedPicture& picture, const FieldChoice& choice,
+                      const Progress& progress) override {
+        const PictureRequest& request = picture.request;
+        return slice_model(model(), choice, picture.camera(), request.width, request.height,
+                           slice_options(picture, progress));
+    }
     void depth(const ResolvedPicture& picture, DepthImage& image,
                const Progress& progress) override {
         const PictureRequest& request = picture.request;

@@ -80,7 +80,9 @@ void require_rules(const PictureRequest& request, std::optional<Renderer> render
 
 std::span<const RequestRule> request_rules() {
     static const std::vector<RequestRule> all = {
-        {"scale=symmetric", "show", "mean deviation maximum"},
+        {"show=slice", "plane", "*"},
+        {"scale=symmetric", "show", "mean deviation maximum slice"},
+        {"interpolation=linear", "show", "T column mean deviation volume"},
         {"light_weights", "light shadows ambient_occlusion", "*"},
         {"light_from scattering", "shadows light=studio", "*"},
         {"tf range scale", "window", "-"},

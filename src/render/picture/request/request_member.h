@@ -115,6 +115,7 @@ Values light_from_values();
 Values weights_values();
 Values box_values();
 Values planes_values();
+Values plane_values();
 Values size_values();
 Values renderer_values();
 Values camera_values();

@@ -13,10 +13,12 @@ constexpr Range kAny{-kMost, kMost, "a number"}, kAbove{kLeast, kMost, "a number
     kFromZero{0, kMost, "a number from 0"}, kShare{0, 1, "a number from 0 to 1"};
 
 constexpr const char *kQuantity = "Quantity", *kColour = "Colour", *kPicture = "Picture",
-                     *kVolume = "Volume rendering (`show` volume)", *kClip = "Clipping",
+                     *kVolume = "Volume rendering (`show` volume)",
+                     *kSlice = "Slices (`show` slice)", *kClip = "Clipping",
                      *kRenderer = "Renderer", *kRays = "Ray tracing";
-constexpr const char *kOfFields = "mean deviation volume maximum",
-                     *kOfScales = "column mean deviation volume maximum";
+constexpr const char *kOfFields = "mean deviation volume maximum slice",
+                     *kOfScales = "column mean deviation volume maximum slice",
+                     *kSlicers = "splat reference";
 
 std::vector<std::string> words_of_show() { return {show_words().begin(), show_words().end()}; }
 std::vector<std::string> words_of_renderers() {
@@ -54,16 +56,18 @@ std::vector<Entry> quantity_entries() {
           "value per area); of `field` mean, weighted by density along the ray, or deviation, its "
           "standard deviation; volume: emission and absorption by the value of `field`, under "
           "`tf`, "
-          "`window` or `bands`; maximum: the largest value of `field` along the ray",
+          "`window` or `bands`; maximum: the largest value of `field` along the ray; slice: on "
+          "`plane` the density, or `field` weighted by it",
           "T", words_of_show()},
          choice(VOG_MEMBER(show), words_of_show())},
         {{"field",
           kQuantity,
           "NAME",
-          "Field that mean, deviation, volume and maximum show: temperature, velocity (a vector "
+          "Field that mean, deviation, volume, maximum and slice show: temperature, velocity (a "
+          "vector "
           "field's component along the view, away from the eye positive), velocity.x, .y, .z, or "
-          "velocity.magnitude (root mean square). Default: volume and maximum show the density; a "
-          "page begins with the first field",
+          "velocity.magnitude (root mean square). Default: volume, maximum and slice show the "
+          "density; a page begins with the first field",
           "",
           {},
           kOfFields,
@@ -96,7 +100,7 @@ std::vector<Entry> quantity_entries() {
           "and the report, such as 'g/cm2'; default: the data's",
           "",
           {},
-          "column mean deviation maximum",
+          "column mean deviation maximum slice",
           "",
           false,
           true},
@@ -281,6 +285,34 @@ std::vector<Entry> volume_entries() {
     };
 }
 
+std::vector<Entry> slice_entries() {
+    return {
+        {{"plane",
+          kSlice,
+          "AXIS[=POSITION]|NX,NY,NZ,D",
+          "Plane of the slice: x, y or z with a position in world units (z=0.5), of scans axial, "
+          "coronal or sagittal with the coordinate up, to the front or to the right (axial=12), or "
+          "the points x of the world with n.x = d. Without a position: the middle of the data. The "
+          "view is along the normal and parallel; scans are seen as radiologists see them, with "
+          "letters at the sides",
+          "",
+          {},
+          "slice",
+          kSlicers},
+         plane_values()},
+        {{"thickness",
+          kSlice,
+          "LENGTH",
+          "Average over this length across the plane, world units: the mean of density, or of "
+          "`field` weighted by density",
+          "",
+          {},
+          "slice",
+          kSlicers},
+         open(VOG_MEMBER(thickness), {kLeast, kMost, "a finite length above 0, world units"})},
+    };
+}
+
 std::vector<Entry> picture_entries() {
     return {
         {{"size", kPicture, "WxH", "Size of the picture in pixels, or one number for a square",
@@ -345,7 +377,7 @@ std::vector<Entry> renderer_entries() {
           "many times the paper's radii; 0: no boxes",
           "0",
           {},
-          "",
+          "T column mean deviation volume maximum",
           "splat trace optix"},
          plain(VOG_MEMBER(options.aabb_sigma), kFromZero)},
         {{"interpolation", kRenderer, "",
@@ -405,7 +437,7 @@ const std::vector<Entry>& entries() {
     static const std::vector<Entry> all = [] {
         std::vector<Entry> joined;
         for (const auto& part : {quantity_entries(), colour_entries(), volume_entries(),
-                                 picture_entries(), renderer_entries()})
+                                 slice_entries(), picture_entries(), renderer_entries()})
             joined.insert(joined.end(), part.begin(), part.end());
         return joined;
     }();

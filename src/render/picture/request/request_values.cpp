@@ -1,5 +1,6 @@
 // request_values.cpp: members of requests that are no single number or word: colours, lights, clips, bands.
 #include <array>
+#include <charconv>
 
 #include "io/camera_json.h"
 #include "render/picture/request/request_member.h"
@@ -176,6 +177,37 @@ void set_planes(const std::string& key, const Json& value, Clipping& clip) {
     validate(clip);
 }
 
+/// "z", "z=0.5", or [nx, ny, nz, d].
+Json plane_json(const SlicePlane& plane) {
+    if (plane.axis.empty())
+        return {plane.normal.x, plane.normal.y, plane.normal.z, plane.offset.value_or(0)};
+    return plane.offset ? fmt::format("{}={}", plane.axis, *plane.offset) : plane.axis;
+}
+SlicePlane plane_of(const std::string& key, const Json& value) {
+    const std::string expected = fmt::format(
+        "{} with or without a position, as in z=0.5, or NX,NY,NZ,D with a normal that is not 0",
+        fmt::join(slice_axes(), ", "));
+    SlicePlane plane;
+    if (value.is_string()) {
+        const std::string text = value;
+        const std::size_t equals = std::min(text.find('='), text.size());
+        plane.axis = text.substr(0, equals);
+        if (std::ranges::count(slice_axes(), plane.axis) == 0) refuse(key, value, expected);
+        if (equals == text.size()) return plane;
+        double offset = 0;
+        const char* end = text.data() + text.size();
+        const auto [rest, error] = std::from_chars(text.data() + equals + 1, end, offset);
+        if (error != std::errc{} || rest != end || !std::isfinite(offset))
+            refuse(key, value, expected);
+        plane.offset = offset;
+        return plane;
+    }
+    const std::vector<double> p = row(key, value, 4, expected);
+    plane.normal = {p[0], p[1], p[2]}, plane.offset = p[3];
+    if (!(length(plane.normal) > 0)) refuse(key, value, expected);
+    return plane;
+}
+
 Json transfer_json(const TransferPoints& points) {
     return points.points.color.empty() ? Json() : shading::points_json(points);
 }
@@ -249,6 +281,13 @@ Values box_values() {
 Values planes_values() {
     return {[](const Request& r) { return planes_json(r.options.clip); },
             [](auto& key, auto& value, Request& r) { set_planes(key, value, r.options.clip); }};
+}
+Values plane_values() {
+    return {[](const Request& r) { return r.plane ? plane_json(*r.plane) : Json(); },
+            [](auto& key, auto& value, Request& r) {
+                r.plane.reset();
+                if (!value.is_null()) r.plane = plane_of(key, value);
+            }};
 }
 Values size_values() {
     return {[](const Request& r) { return Json{r.width, r.height}; }, &set_size};

@@ -1,0 +1,85 @@
+// slices_test.cpp: vog render --show slice: numbers, views, records, and what is refused in one line.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/command.h"
+#include "support/level_volumes.h"
+#include "vog/compare_maps.h"
+#include "vog/picture_record.h"
+#include "vog/ply.h"
+#include "vog/volume_io.h"
+
+namespace vog::test {
+
+class slices_command : public CommandLine {
+  protected:
+    void SetUp() override {
+        CommandLine::SetUp();
+        // 8^3 voxels from 0 to 4: the density is that of the voxel's z.
+        Volume volume =
+            cube_of(8, 1, {{{Vec3d{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}}, {0.25, 0.25, 0.25}});
+        for (Leaf& leaf : volume.leaves)
+            for (int n = 0; n < kLeafVoxels; ++n) leaf.set(n, static_cast<float>(1 + (n & 7)));
+        volume.name = "density";
+        write_vdb(dir_ / "cube.vdb", volume);
+    }
+    std::vector<float> values(const std::string& options) const {
+        must("render cube.vdb -o s.png --show slice --values-out s.npy --size 16 " + options);
+        return read_map(dir_ / "s.npy").value;
+    }
+};
+
+TEST_F(slices_command, have_the_values_of_the_plane) {
+    for (const float value : values("--plane z=0.7")) EXPECT_EQ(value, 2);
+    for (const float value : values("--plane z=3.9")) EXPECT_EQ(value, 8);
+    for (const float value : values("--plane z=2 --thickness 1")) EXPECT_NEAR(value, 4.5, 1e-5);
+    for (const float value : values("--plane z=2 --field density --thickness 1"))
+        EXPECT_NEAR(value, (16.0 + 25) / 9, 1e-5);
+    // Along x the picture has z up, and covers the section.
+    const std::vector<float> x = values("--plane x=1.2");
+    for (int row = 0; row < 16; ++row)
+        for (int column = 0; column < 16; ++column)
+            EXPECT_EQ(x[static_cast<std::size_t>(16 * row + column)], 8 - row / 2);
+    EXPECT_EQ(values("--plane 0,0,2,1.4"), values("--plane z=0.7"));
+    // Wider than the data: nothing is around them.
+    const std::vector<float> wide = values("--plane z=0.7 --width 8");
+    EXPECT_TRUE(std::isnan(wide[0]));
+    EXPECT_EQ(wide[8 * 16 + 8], 2);
+}
+
+TEST_F(slices_command, are_drawn_again_from_their_record) {
+    const std::vector<float> first = values("--plane y --color-bar");
+    const std::string image = read_text(dir_ / "s.png");
+    const PictureRequest request = read_record(dir_ / "s.png").request;
+    EXPECT_EQ(request.plane->axis, "y");
+    EXPECT_EQ(request.plane->offset, 2);
+    must("render --request s.png -o again.png");
+    EXPECT_EQ(read_text(dir_ / "again.png"), image);
+    // Another plane has a view of its own.
+    must("render --request s.png -o z.png --plane z=0.7 --values-out z.npy");
+    EXPECT_EQ(read_map(dir_ / "z.npy").value[0], 2);
+}
+
+TEST_F(slices_command, of_no_plane_beside_the_data_or_by_others_are_refused) {
+    const std::string slice = "render cube.vdb -o s.png --show slice";
+    must_fail(2, slice, "--show slice needs --plane");
+    must_fail(2, "render cube.vdb -o s.png --plane z=1", "--plane has no effect with --show T");
+    must_fail(2, "render cube.vdb -o s.png --thickness 1",
+              "--thickness has no effect with --show T");
+    must_fail(2, slice + " --plane z=4.5", "--plane z=4.5: lies outside of the data");
+    must_fail(2, slice + " --plane 1,1,0,9", "--plane with offset 9: lies outside of the data");
+    must_fail(2, slice + " --plane 0,0,0,1", "--plane 0,0,0,1: expected x, y, z, axial");
+    must_fail(2, slice + " --plane w=1", "--plane w=1: expected x, y, z, axial");
+    must_fail(2, slice + " --plane axial=1", "--plane axial: the data do not say where a patient");
+    must_fail(2, slice + " --plane z=1 --thickness 0", "--thickness 0: expected a finite length");
+    must_fail(2, slice + " --plane z=1 --interpolation linear", "--interpolation linear");
+    must_fail(2, slice + " --plane z=1 --orthographic", "--orthographic has no effect");
+    must_fail(2, slice + " --plane z=1 --renderer optix", "--renderer optix");
+    must("convert cube.vdb -o cube.ply --block 4");
+    must_fail(2, "render cube.ply -o s.png --show slice --plane z=1 --renderer trace",
+              "--renderer splat");
+    must_fail(2, "page cube.ply -o s.html --show slice", "--show");
+}
+
+}  // namespace vog::test
