@@ -52,40 +52,6 @@ def blobs():
     return yt.load_amr_grids(grids, [32] * 3)
 
 
-def blocks_of(ds, level, values):
-    """Index of the first cell of each grid of a level, in cells of that level, and values(grid)."""
-    left = ds.domain_left_edge.in_units("code_length").d
-    edge = ds.domain_width.in_units("code_length").d / ds.domain_dimensions / ds.refine_by**level
-    for grid in ds.index.select_grids(level):
-        first = np.rint((grid.LeftEdge.in_units("code_length").d - left) / edge).astype(int)
-        yield tuple(first), values(grid)
-
-
-def levels_of(ds, field):
-    """Every level as a Volume with all its cells; in vog, finer levels hide coarser ones."""
-    left = ds.domain_left_edge.in_units("code_length").d
-    for level in range(ds.index.max_level + 1):
-        edge = ds.domain_width.in_units("code_length").d / ds.domain_dimensions / ds.refine_by**level
-        # In code units, as values in g/cm^3 are below the range of single precision.
-        blocks = blocks_of(ds, level, lambda grid: grid[field].in_base("code").d)
-        # The centre of the first voxel lies half a cell inside the domain.
-        yield vog.Volume.from_blocks(blocks, voxel_size=edge, origin=left + edge / 2, all_active=True)
-
-
-def fields_of(ds, names, velocity):
-    """Fields for vog.convert: of each level its grids, each with its place."""
-    levels = range(ds.index.max_level + 1)
-    fields = {}
-    for name in names:
-        unit = str(ds.field_info["gas", name].units)
-        blocks = [list(blocks_of(ds, n, lambda grid: grid["gas", name].in_units(unit).d)) for n in levels]
-        fields[name] = {"value": blocks, "unit": unit}
-    if velocity:
-        vectors = lambda grid: np.stack([grid[axis].in_units("km/s").d for axis in VELOCITY], axis=-1)
-        fields["velocity"] = {"value": [list(blocks_of(ds, n, vectors)) for n in levels], "unit": "km/s"}
-    return fields
-
-
 def camera_of(ds, pixels):
     """Parallel rays through yt's pixels, whose outermost centres lie on the edges of its picture."""
     center = ds.domain_center.in_units("code_length").d
@@ -162,7 +128,7 @@ def main():
     parser.add_argument("-o", "--output", default="yt.png", help="picture to write")
     parser.add_argument("--field", default="density", help="name of a yt field (default: density)")
     parser.add_argument("--carry", nargs="*", default=[], help="names of yt fields that the model carries")
-    parser.add_argument("--velocity", action="store_true", help="carry the velocity as a vector field, km/s")
+    parser.add_argument("--velocity", action="store_true", help="carry the velocity as a vector field")
     parser.add_argument("--maps", metavar="PREFIX", help="maps of column and fields: PREFIX-temperature.png, ...")
     parser.add_argument("--compare", action="store_true", help="compare the maps with yt's projections")
     parser.add_argument("--size", type=int, default=800, help="edge of the maps, pixels (default: 800)")
@@ -174,8 +140,8 @@ def main():
 
     yt.set_log_level("error")
     ds = yt.load(arguments.dataset) if arguments.dataset else blobs()
-    levels = vog.Levels(levels_of(ds, ("gas", arguments.field)))
-    fields = fields_of(ds, arguments.carry, arguments.velocity)
+    names = [*arguments.carry, *["velocity"] * arguments.velocity]
+    levels, fields = vog.from_yt(ds, ("gas", arguments.field), fields=names)
     model = vog.convert(levels, fields=fields or None)
     print(levels, model.summary)
     vog.render(model, tf="jet").save(arguments.output)

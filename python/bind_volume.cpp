@@ -3,6 +3,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <set>
 
 #include "arrays.h"
 #include "data.h"
@@ -10,6 +11,7 @@
 #include "vog/error.h"
 #include "vog/scan_io.h"
 #include "vog/volume_io.h"
+#include "voxel_fields.h"
 
 namespace vog::python {
 
@@ -212,6 +214,40 @@ std::string repr(const Volume& volume) {
            std::to_string(volume.tiles.size()) + " tiles>";
 }
 
+/// Writes volumes and fields at their voxels as grids of one file.
+/// suffix  of the names of fields, before the number of the volume; empty: none
+/// masks   of the volumes, written as they are
+void save_with_fields(const std::filesystem::path& file, std::vector<Volume> volumes,
+                      const py::object& fields, const std::string& suffix,
+                      const std::vector<Volume>& masks = {}) {
+    const std::vector<Lattice> lattices = lattices_of(volumes);
+    std::vector<std::vector<VoxelField>> of_volume(volumes.size());
+    for (std::vector<VoxelField>& field :
+         voxel_fields_of(fields, volumes, lattices, volumes.size(), "save"))
+        for (std::size_t v = 0; v < volumes.size(); ++v) {
+            if (!suffix.empty()) field[v].name += suffix + std::to_string(v);
+            of_volume[v].push_back(std::move(field[v]));
+        }
+    std::vector<VoxelGrids> grids;
+    for (std::size_t v = 0; v < volumes.size(); ++v) grids.push_back({&volumes[v], of_volume[v]});
+    for (const Volume& mask : masks) grids.push_back({&mask, {}});
+    unlocked([&] { write_voxels(file, grids); });
+}
+
+/// Writes levels with grids NAME_L0, NAME_L1, ..., unless their names differ already.
+void save_levels(const Levels& levels, const std::filesystem::path& file,
+                 const py::object& fields) {
+    std::vector<Volume> volumes = levels.volumes;
+    std::vector<Volume> masks = levels.masks;
+    std::set<std::string> names;
+    for (const Volume& volume : volumes) names.insert(volume.name);
+    for (std::size_t v = 0; v < volumes.size(); ++v) {
+        if (names.size() < volumes.size()) volumes[v].name += "_L" + std::to_string(v);
+        if (!masks.empty()) masks[v].name = "mask_L" + std::to_string(v);
+    }
+    save_with_fields(file, std::move(volumes), fields, "_L", masks);
+}
+
 void bind_volume_class(py::module_& m) {
     py::class_<Volume, std::shared_ptr<Volume>> c(
         m, "Volume",
@@ -303,11 +339,18 @@ shape  (X, Y, Z) in voxels; default: up to the upper corner of index_box
 True)")
         .def(
             "save",
-            [](const Volume& self, const std::filesystem::path& file, bool half) {
-                unlocked([&] { write_vdb(file, self, half); });
+            [](const Volume& self, const std::filesystem::path& file, bool half,
+               const py::object& fields) {
+                if (half && !fields.is_none())
+                    throw Error("save: half and fields exclude each other");
+                if (fields.is_none()) return unlocked([&] { write_vdb(file, self, half); });
+                save_with_fields(file, {self}, fields, "");
             },
-            py::arg("file"), py::arg("half") = false,
-            "Writes an OpenVDB fog volume. half: stores values as 16-bit floats.")
+            py::arg("file"), py::arg("half") = false, py::kw_only(), py::arg("fields") = py::none(),
+            R"(Writes an OpenVDB fog volume, and fields as further grids of the same file (.vdb, .nvdb), with their units.
+
+half    stores values as 16-bit floats
+fields  {name: field} as vog.convert takes them, of any sign; `vog convert FILE --field NAME` reads them)")
         .def_property(
             "_units",
             [](const Volume& self) {
@@ -431,6 +474,12 @@ mask  name of the mask grids; a * stands for the match of the * in grid
 level_set_to_fog  converts level sets to fog
 force  True: levels whatever their lattices, as in Levels()
 skip_nonfinite, clip_negative  as in Volume.load)")
+        .def(
+            "save", &save_levels, py::arg("file"), py::kw_only(), py::arg("fields") = py::none(),
+            R"(Writes each level as a grid of one file (.vdb, .nvdb): density_L0, density_L1, ..., and masks as mask_L0, ...
+
+fields  {name: field} as vog.convert takes them, as grids temperature_L0, ...: the command reads them by
+        --field 'T=temperature_L*')")
         .def_property_readonly(
             "arrangement", [](const Levels& self) { return arrangement_of(self).text; },
             "How the volumes lie to each other, one line: levels, parts side by side, or neither.")

@@ -38,9 +38,9 @@ case ${1:-all} in
     command) ;;
     all) packages+=("${all_packages[@]}") ;;
     sanitize) packages+=("${all_packages[@]}" clang-16 libclang-rt-16-dev llvm-16) ;;
-    # shells; older processors; units, scans and stacks, VTK, plots
+    # shells; older processors; units, scans and stacks, VTK, plots, files that only Python reads
     peers) packages=(zsh fish qemu-user groff python3-astropy python3-pint python3-xarray python3-nibabel python3-tifffile python3-vtk9
-        python3-matplotlib) ;;
+        python3-matplotlib python3-h5py python3-netcdf4 python3-pydicom python3-zarr) ;;
     docs) packages=(mkdocs) ;;
     *) echo "install-deps: set '$1', expected command, all, peers, sanitize or docs" >&2; exit 2 ;;
 esac

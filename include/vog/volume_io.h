@@ -72,7 +72,7 @@ Volume read_volume(const std::filesystem::path& file, const VdbOptions& options 
 std::vector<std::string> grid_names(const std::filesystem::path& file);
 
 /// Pattern of names that differ only in a number at their end, with * in its place: "density_L*" of density_L0 and
-/// density_L1. Empty: the names are not levels.
+/// density_L1. Beside levels of other names those called density. Empty: the names are not levels.
 std::string level_pattern(const std::vector<std::string>& names);
 
 /// Options of read_levels.

@@ -123,10 +123,17 @@ VoxelField measure_field(const Volume& volume, const std::string& name = {});
 
 /// Writes a volume and fields at its voxels as grids of one file: OpenVDB (.vdb) or NanoVDB (.nvdb) by extension, vectors
 /// as vec3s grids. Leaves are written one at a time to .vdb; a .nvdb file is made in memory.
-/// fields  at the voxels of `volume`, which has no tiles then; names differ from each other and from the volume's
+/// fields  at the voxels of `volume`; names differ from each other and from the volume's
 /// throws  vog::Error for an invalid or empty volume, equal or empty names, another extension, or if the file cannot
 ///         be written
 void write_voxels(const std::filesystem::path& file, const Volume& volume,
                   std::span<const VoxelField> fields = {});
+/// A volume and fields at its voxels.
+struct VoxelGrids {
+    const Volume* volume;
+    std::span<const VoxelField> fields;
+};
+/// The same of several volumes, the levels of a mesh: names differ among all grids.
+void write_voxels(const std::filesystem::path& file, std::span<const VoxelGrids> volumes);
 
 }  // namespace vog

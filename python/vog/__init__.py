@@ -6,7 +6,7 @@
     picture = vog.render(model, tf="inferno")
     picture.save("picture.png")
 
-Data flow: load -> convert -> render -> compare. Volumes are arrays [x, y, z]; images are
+vog.load(path) takes what vog and the packages of this Python read. Data flow: load -> convert -> render -> compare. Volumes are arrays [x, y, z]; images are
 [row, column] with rows from the top. Lengths are in world units, densities per world unit of length.
 Tutorial: docs/python.md.
 """
@@ -23,6 +23,7 @@ _units.accept_quantities()
 _show.show_models()
 _picture.extend_picture()
 
+from ._load import load as load
 from ._picture import Layer as Layer, Light as Light, Scale as Scale, Scene as Scene
 from ._projection import Projection as Projection, projection as projection, slice as slice
 from ._readers import from_nifti as from_nifti, from_tiff as from_tiff, from_xarray as from_xarray, from_yt as from_yt

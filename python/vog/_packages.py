@@ -3,10 +3,10 @@ import importlib
 from typing import Any
 
 # Names for pip and for Debian's apt, where they are not the module's.
-_PIP = {"vtkmodules": "vtk"}
+_PIP = {"vtkmodules": "vtk", "openpmd_api": "openpmd-api"}
 _DEBIAN = {
     "astropy": "python3-astropy", "matplotlib": "python3-matplotlib", "pint": "python3-pint", "xarray": "python3-xarray", "nibabel": "python3-nibabel",
-    "tifffile": "python3-tifffile", "vtkmodules": "python3-vtk9", "yt": "python3-yt",
+    "tifffile": "python3-tifffile", "vtkmodules": "python3-vtk9", "yt": "python3-yt", "h5py": "python3-h5py", "pydicom": "python3-pydicom", "zarr": "python3-zarr",
 }  # fmt: skip
 
 

@@ -1,13 +1,14 @@
 """Volumes of other packages' data: yt, xarray, nibabel and tifffile."""
 import os
 import tempfile
-from typing import Any, Iterator, Optional, Sequence, Union
+from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _vog
+from ._grids import Grids, assembled, lattice
 from ._packages import described, need, root_package
-from ._units import in_double, set_units
+from ._units import in_double, set_units, units_of
 
 # Share of a voxel by which coordinates may be off an even spacing: longitudes in float32 and rounded texts are.
 _EVEN = 1e-3
@@ -20,19 +21,11 @@ def _is_path(value: object) -> bool:
 # --- yt
 
 
-def _blocks(ds: Any, level: int, values: Any) -> "Iterator[tuple[tuple[int, ...], Any]]":
-    """Index of the first cell of each grid of a level, in cells of that level, and values(grid)."""
-    left = ds.domain_left_edge.in_units("code_length").d
-    edge = ds.domain_width.in_units("code_length").d / ds.domain_dimensions / ds.refine_by**level
-    for grid in ds.index.select_grids(level):
-        first = np.rint((grid.LeftEdge.in_units("code_length").d - left) / edge).astype(int)
-        yield tuple(int(i) for i in first), values(grid)
-
-
 def from_yt(
     ds: Any,
     field: Any = ("gas", "density"),
     *,
+    fields: "Optional[Sequence[Any]]" = None,
     level: Optional[int] = None,
     unit: Optional[str] = None,
     skip_nonfinite: bool = False,
@@ -41,7 +34,9 @@ def from_yt(
     """A field of a data set of yt's as Levels, one for each level of refinement, or as one covering grid.
 
     ds              data set of yt.load: patch-based codes (Enzo, FLASH, Athena, Boxlib); with `level` octree codes, too
-    field           name of the field: 'density' or ('gas', 'density')
+    field           name of the field: 'density' or ('gas', 'density'); 'volume': 1 everywhere, for fields of any sign
+    fields          names of further fields, in their own units, 'velocity' for the vector of three: the result is then a pair of
+                    data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save
     level           None: all levels, where finer ones hide coarser ones; 0, 1, ...: a covering grid of the domain at the cell
                     size of that level, as one Volume
     unit            unit of the values: 'g/cm**3'; None: yt's code units, as densities in g/cm**3 are below the range of float32
@@ -56,47 +51,51 @@ def from_yt(
     """
     if not hasattr(ds, "domain_left_edge") or not hasattr(ds, "index"):
         raise TypeError(f"from_yt: got {described(ds)}, expected a data set of yt.load")
-    names = [tuple(name) for name in (*ds.field_list, *ds.derived_field_list)]
-    wanted = tuple(field) if isinstance(field, (tuple, list)) else field
-    if wanted not in names and wanted not in [name[1] for name in names]:
-        known = ", ".join(sorted({name[1] for name in ds.field_list})[:20])
-        raise _vog.Error(f"from_yt: no field {wanted!r}, expected one of the data set: {known}")
-    rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
+    field = tuple(field) if isinstance(field, list) else field
+    known = [tuple(name) for name in (*ds.field_list, *ds.derived_field_list)]
+    names = list(dict.fromkeys([name[1] for name in ds.field_list] + [name[1] for name in known])) + known
     left = ds.domain_left_edge.in_units("code_length").d
     width = ds.domain_width.in_units("code_length").d
-    units: "list[Any]" = []
+    units: "dict[Any, Any]" = {}
 
-    def numbers(values: Any) -> Any:
+    def numbers(values: Any, name: Any) -> Any:
         values = in_double(values)  # factors between units exceed the range of float32
-        values = values.in_base("code") if unit is None else values.in_units(unit)
-        units.append(values.units)
+        if name == field:
+            values = values.in_base("code") if unit is None else values.in_units(unit)
+        units[name] = values.units
         return np.asarray(values.d, dtype=np.float32)
 
-    name = wanted[1] if isinstance(wanted, tuple) else str(wanted)
-    length = ds.length_unit.units if hasattr(ds.length_unit, "units") else None
-    code_length = ds.quan(1, "code_length").units if length is not None else None
-    if level is not None:
-        if isinstance(level, bool) or not 0 <= level <= ds.index.max_level:
-            raise _vog.Error(f"from_yt: level {described(level)}, expected 0 to {ds.index.max_level}")
-        cells = ds.domain_dimensions * ds.refine_by**level
-        # Dimensions of a domain of less than three axes stay 1.
-        cells = np.where(np.arange(3) < ds.dimensionality, cells, 1)
-        grid = ds.covering_grid(level, left_edge=ds.domain_left_edge, dims=cells)
-        edge = width / cells
-        volume = _vog.Volume.from_numpy(numbers(grid[wanted]), voxel_size=edge, origin=left + edge / 2, name=name, **rules)
-        volume.up = (0.0, 0.0, 1.0)
-        return set_units(volume, units[0], code_length)
-    if not len(getattr(ds.index, "grids", ())):
-        raise _vog.Error("from_yt: the data set has no grids (an octree or particles), expected patches, or level= for a covering grid")
-    volumes = []
-    for n in range(ds.index.max_level + 1):
+    def of(data: Any, name: Any) -> Any:
+        return numbers(data[("gas", name) if ("gas", name) in known else name], name)
+
+    def patches(n: int, name: Any) -> Any:
+        """Index of the first cell of each grid of a level, in cells of that level, and its values."""
         edge = width / ds.domain_dimensions / ds.refine_by**n
-        blocks = _blocks(ds, n, lambda grid: numbers(grid[wanted]))
+        for grid in ds.index.select_grids(n):
+            first = np.rint((grid.LeftEdge.in_units("code_length").d - left) / edge).astype(int)
+            yield tuple(int(i) for i in first), of(grid, name)
+
+    if level is None:
+        if not len(getattr(ds.index, "grids", ())):
+            raise _vog.Error("from_yt: the data set has no grids (an octree or particles), expected patches, or level= for a covering grid")
+        cells = [ds.domain_dimensions * ds.refine_by**n for n in range(ds.index.max_level + 1)]
+    elif isinstance(level, bool) or not 0 <= level <= ds.index.max_level:
+        raise _vog.Error(f"from_yt: level {described(level)}, expected 0 to {ds.index.max_level}")
+    else:
+        # Dimensions of a domain of less than three axes stay 1.
+        cells = [np.where(np.arange(3) < ds.dimensionality, ds.domain_dimensions * ds.refine_by**level, 1)]
+        cover = ds.covering_grid(level, left_edge=ds.domain_left_edge, dims=cells[0])
+    grids = Grids(
+        names,
         # The centre of the first voxel lies half a cell inside the domain.
-        made = _vog.Volume.from_blocks(blocks, voxel_size=edge, origin=left + edge / 2, all_active=True, name=name, **rules)
-        made.up = (0.0, 0.0, 1.0)
-        volumes.append(set_units(made, units[-1], code_length))
-    return set_units(_vog.Levels(volumes), units[0], code_length)
+        [lattice(width / count, left + width / count / 2) for count in cells],
+        lambda n, name: list(patches(n, name)) if level is None else [((0, 0, 0), of(cover, name))],
+        units.get,
+        "from_yt",
+        ds.quan(1, "code_length").units if hasattr(ds.length_unit, "units") else None,
+        (0.0, 0.0, 1.0),
+    )
+    return assembled(grids, field, fields, levels=level is None, skip_nonfinite=skip_nonfinite, clip_negative=clip_negative)
 
 
 # --- xarray
@@ -152,6 +151,20 @@ def from_xarray(
     if root_package(array) != "xarray" or not hasattr(array, "dims") or not hasattr(array, "coords") or hasattr(array, "data_vars"):
         more = ", one of the data set's variables: data['name']" if hasattr(array, "data_vars") else ""
         raise TypeError(f"from_xarray: got {described(array)}, expected a DataArray of xarray{more}")
+    array, dims, size, origin, length = oriented(array, dims, voxel_size)
+    values = array.data if root_package(array.data) in ("pint", "astropy", "unyt") else array.values
+    volume = _vog.Volume.from_numpy(
+        values, voxel_size=size, origin=origin, name=str(array.name or "density"), skip_nonfinite=skip_nonfinite,
+        clip_negative=clip_negative,
+    )  # fmt: skip
+    known = units_of(volume)
+    density = known.density if known.density is not None else array.attrs.get("units")
+    length = known.length if known.length is not None else length
+    return set_units(volume, density, length) if density or length is not None else volume
+
+
+def oriented(array: Any, dims: Optional[Sequence[str]], voxel_size: Any) -> "tuple[Any, Any, Any, Any, Optional[str]]":
+    """A DataArray along x, y and z, upwards; its dimensions, edges of a voxel, first centre, and unit of length."""
     lengths = dict(zip(array.dims, array.shape))
     if dims is None:
         real = [name for name in array.dims if lengths[name] > 1 or name in ("x", "y", "z")]
@@ -175,21 +188,12 @@ def from_xarray(
         first.append(start)
         edge.append(step)
         units.append(str(array.coords[name].attrs.get("units", "")) if has else "")
-    if voxel_size is None and len(set(units)) > 1:
+    if voxel_size is not None:
+        return array, dims, voxel_size, None, None
+    if len(set(units)) > 1:
         listed = ", ".join(f"{name} [{unit}]" for name, unit in zip(dims, units))
         raise _vog.Error(f"from_xarray: coordinates of different units: {listed}, expected one unit of length, or voxel_size=")
-    origin: Any = first if voxel_size is None else None
-    size: Any = edge if voxel_size is None else voxel_size
-    values = array.data if root_package(array.data) in ("pint", "astropy", "unyt") else array.values
-    volume = _vog.Volume.from_numpy(
-        values, voxel_size=size, origin=origin, name=str(array.name or "density"), skip_nonfinite=skip_nonfinite,
-        clip_negative=clip_negative,
-    )  # fmt: skip
-    from ._units import units_of
-
-    known = units_of(volume)
-    density = known.density if known.density is not None else array.attrs.get("units")
-    return set_units(volume, density, known.length if known.length is not None else (units[0] or None if voxel_size is None else None)) if density or units[0] or known.length is not None else volume
+    return array, dims, edge, first, units[0] or None
 
 
 # --- nibabel

@@ -60,7 +60,7 @@ def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
     length   unit of world lengths: 'kpc'
 
     Numbers stay as they are. vog.projection gives its result units where the data have them, and vog.convert hands
-    them on to the model. Labels and `units` of vog.render know their texts, which models keep in files; files of volumes do not.
+    them on to the model. Labels and `units` of vog.render know their texts, which files keep.
 
     >>> volume = vog.set_units(vog.sample_cloud(64), "g / cm3", "kpc")
     >>> vog.units_of(vog.convert(volume, block=8))

@@ -8,7 +8,10 @@
 
 namespace vog {
 
-std::string level_pattern(const std::vector<std::string>& names) {
+namespace {
+
+/// Pattern of names that all differ only in a number at their end; empty: they are not levels.
+std::string common_pattern(std::span<const std::string> names) {
     if (names.size() < 2) return {};
     std::size_t same = names.front().size();
     for (const std::string& name : names) {
@@ -26,6 +29,16 @@ std::string level_pattern(const std::vector<std::string>& names) {
                            [](unsigned char letter) { return std::isdigit(letter); });
     });
     return numbers ? start + "*" : "";
+}
+
+}  // namespace
+
+std::string level_pattern(const std::vector<std::string>& names) {
+    if (std::string all = common_pattern(names); !all.empty()) return all;
+    std::vector<std::string> densities;
+    for (const std::string& name : names)
+        if (name.starts_with("density")) densities.push_back(name);
+    return common_pattern(densities);
 }
 
 std::string levels_note(const std::string& file, const std::string& pattern) {

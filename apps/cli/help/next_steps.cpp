@@ -183,53 +183,31 @@ std::vector<NextStep> next_steps(const FileContents& contents) {
 
 namespace {
 
-/// A string of Python.
-std::string python(const std::string& text) {
-    std::string quoted = "\"";
-    for (const char letter : text)
-        quoted +=
-            letter == '"' || letter == '\\' ? std::string("\\") + letter : std::string{letter};
-    return quoted + "\"";
-}
-
-/// A kind of data that Python reads for vog, and the call. {0}: the file; {1}, {2}: volume and model beside nothing else.
+/// A kind of data that Python reads for vog (python/vog/_load.py): what it is, and the extensions of its files; folders and others are
+/// told apart by their contents.
 struct PythonReader {
-    std::vector<std::string>
-        extensions;  ///< of files; folders and others are told apart by their contents
     const char* what;
-    const char* call;
+    std::vector<std::string> extensions;
 };
-const PythonReader kYt{{},
-                       "a data set of a simulation",
-                       "vog.convert(vog.from_yt(yt.load({0}), \"density\")).save({2})"};
-const PythonReader kZarr{
-    {".zarr"}, "a store of Zarr", "vog.from_xarray(xarray.open_zarr({0})[\"NAME\"]).save({1})"};
-const PythonReader kHdf5{
-    {}, "arrays in HDF5", "vog.Volume.from_numpy(h5py.File({0})[\"NAME\"][:]).save({1})"};
+const PythonReader kYt{"a data set of a simulation", {".athdf"}};
+const PythonReader kZarr{"a store of Zarr", {".zarr"}};
 const PythonReader kPythonReaders[] = {
-    {{".npy"}, "a NumPy array", "vog.Volume.from_numpy(numpy.load({0})).save({1})"},
-    {{".npz"}, "NumPy arrays", "vog.Volume.from_numpy(numpy.load({0})[\"NAME\"]).save({1})"},
-    {{".nc", ".nc4", ".cdf", ".grib", ".grb", ".grib2", ".grb2"},
-     "NetCDF or GRIB",
-     "vog.from_xarray(xarray.open_dataset({0})[\"NAME\"]).save({1})"},
-    {{".vti"},
-     "image data of VTK",
-     "g = pyvista.read({0}); vog.Volume.from_numpy(g[\"NAME\"].reshape(g.dimensions, order=\"F\"), "
-     "g.spacing, g.origin).save({1})"},
-    {{".vtk", ".vtu", ".vtr", ".vts", ".vtm", ".pvtu", ".pvtr", ".pvts", ".pvd", ".exo", ".e",
-      ".cgns"},
-     "a mesh of VTK",
-     "m = pyvista.read({0}); g = pyvista.create_grid(m, (128, 128, 128)).sample(m); "
-     "vog.Volume.from_numpy(g[\"NAME\"].reshape(g.dimensions, order=\"F\"), g.spacing, "
-     "g.origin).save({1})"},
+    {"NumPy arrays", {".npy", ".npz"}},
+    {"NetCDF or GRIB", {".nc", ".nc4", ".cdf", ".grib", ".grb", ".grib2", ".grb2"}},
+    {"data of VTK",
+     {".vti", ".vtk", ".vtu", ".vtr", ".vts", ".vtm", ".vtmb", ".pvti", ".pvtu", ".pvtr", ".pvts",
+      ".pvd", ".exo", ".ex2", ".e", ".case", ".foam", ".cgns"}},
+    {"a slice of DICOM", {".dcm", ".ima"}},
+    {"openPMD", {".bp", ".bp4", ".bp5"}},
     kZarr,
+    kYt,
 };
 
 std::string python_advice(const PythonReader& reader, const std::string& file) {
-    const std::string call =
-        fmt::format(fmt::runtime(reader.call), python(file), python(beside_name(file, ".vdb")),
-                    python(beside_name(file, ".ply")));
-    return fmt::format("{}, which Python reads for vog: {}", reader.what, call);
+    return fmt::format(
+        "{}, which Python reads for vog: python3 -m vog render {} -o {}, and likewise every other "
+        "command; in Python vog.load (docs/python.md)",
+        reader.what, quoted(file), beside(file, ".png"));
 }
 
 /// Advice on data of simulations and on Zarr, which are told by their files.
@@ -244,8 +222,9 @@ std::string advice_on_contents(const std::string& file) {
     if (!fs::is_directory(path, code)) return {};
     for (const fs::directory_entry& entry : fs::directory_iterator(path, code)) {
         const fs::path inside = entry.path();
-        const bool enzo = inside.extension() == ".hierarchy";
-        if (enzo) return python_advice(kYt, (inside.parent_path() / inside.stem()).string());
+        const bool ramses =
+            inside.extension() == ".txt" && inside.filename().string().starts_with("info_");
+        if (ramses || inside.extension() == ".hierarchy") return python_advice(kYt, file);
     }
     return {};
 }
@@ -274,7 +253,7 @@ bool has_lines_of_numbers(const std::string& file) {
 }  // namespace
 
 std::string advice_on_hdf5(const std::string& file) {
-    return fmt::format("or {}; or {}", python_advice(kHdf5, file), python_advice(kYt, file));
+    return "or " + python_advice({"arrays in HDF5", {}}, file);
 }
 
 std::string advice_on_text(const std::string& file) {
@@ -299,9 +278,6 @@ std::string advice_on(const std::string& file) {
             "an image of optical depth or values; vog compare REFERENCE.exr {} "
             "measures its error",
             name);
-    if (extension == ".dcm")
-        return "a slice of DICOM: dcm2niix makes a series one .nii, which vog reads; or pydicom "
-               "(docs/scans.md)";
     if (extension == ".obj" || extension == ".stl")
         return "a mesh of triangles, not a volume: vdb_tool or Blender's Mesh to Volume makes it a "
                ".vdb";

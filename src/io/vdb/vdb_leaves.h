@@ -25,7 +25,7 @@ class VdbLeaves {
     VdbLeaves(VdbFile& file, const VdbEntry& entry, const VdbOptions& options);
 
     openvdb::GridClass grid_class() const;
-    bool z_up() const { return head_.metadata.z_up; }
+    const VdbMetadata& metadata() const { return head_.metadata; }
     bool empty() const { return leaves_.empty() && tiles_.tiles.empty(); }
     std::size_t count() const { return leaves_.size(); }  ///< leaves with active voxels
     std::uint64_t active_voxels() const;

@@ -127,7 +127,10 @@ Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog,
         Volume volume = leaves ? of_file(*leaves, found) : of_fog();
         volume.name = entry.plain_name;
         volume.source = printable(file.name());
-        if (file.z_up() || (leaves && leaves->z_up())) volume.standing.up = {0, 0, 1};
+        const VdbMetadata metadata = leaves ? leaves->metadata() : VdbMetadata{};
+        if (file.z_up() || metadata.z_up) volume.standing.up = {0, 0, 1};
+        // Of ones the unit of the values is none.
+        volume.units = {metadata.length_unit, options.ones ? "" : metadata.unit};
         if (returned_notes) *returned_notes = found;
         return volume;
     });

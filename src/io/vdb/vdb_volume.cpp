@@ -228,6 +228,16 @@ void vdb::set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
     });
 }
 
+openvdb::Index vdb::tile_level(std::int32_t edge) {
+    return static_cast<openvdb::Index>(std::ranges::find(kTileEdge, edge) - kTileEdge.begin());
+}
+
+void vdb::set_units(openvdb::GridBase& grid, const Units& units) {
+    if (!units.density.empty()) grid.insertMeta("unit", openvdb::StringMetadata(units.density));
+    if (!units.length.empty())
+        grid.insertMeta("length_unit", openvdb::StringMetadata(units.length));
+}
+
 openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
     using openvdb::FloatGrid;
     using LeafT = FloatGrid::TreeType::LeafNodeType;
@@ -236,12 +246,11 @@ openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
         openvdb::GridBase::createGrid(FloatGrid::gridType()));  // background 0
     grid->setName(volume.name.empty() ? "density" : volume.name);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    set_units(*grid, volume.units);
 
     set_transform(*grid, volume.world_from_index, volume.source.empty() ? "volume" : volume.source);
     for (const Tile& tile : volume.tiles) {
-        const auto level = std::ranges::find(kTileEdge, tile.edge) - kTileEdge.begin();
-        grid->tree().addTile(static_cast<openvdb::Index>(level), to_coord(tile.origin), tile.value,
-                             true);
+        grid->tree().addTile(tile_level(tile.edge), to_coord(tile.origin), tile.value, true);
     }
     std::vector<LeafT*> leaves(volume.leaves.size());
     vog::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask),

@@ -31,6 +31,11 @@ void level_set_to_fog(openvdb::GridBase& grid, const std::string& where);
 void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
                    const std::string& where);
 
+/// Level of OpenVDB's tree that holds tiles of this edge.
+openvdb::Index tile_level(std::int32_t edge);
+/// Sets the metadata `unit` and `length_unit`, of texts that are not empty.
+void set_units(openvdb::GridBase& grid, const Units& units);
+
 /// A grid, and what writes the values of its leaves behind the topology; empty: the grid's own.
 struct GridToWrite {
     openvdb::GridBase::Ptr grid;

@@ -107,6 +107,7 @@ VdbMetadata read_vdb_metadata(ByteSource& in) {
         if (type == "string" && name == "vector_type") metadata.vector_type = value;
         if (type == "string" && (name == "unit" || name == "units"))
             metadata.unit = grid_name(value);
+        if (type == "string" && name == "length_unit") metadata.length_unit = grid_name(value);
         // Blender names itself; Mantaflow states its resolution, writers of adaptive meshes the level.
         if ((name == "creator" && value.starts_with("Blender")) || name == "file_base_resolution" ||
             name == "amr_level")

@@ -31,6 +31,7 @@ struct VdbMetadata {
     std::string grid_class;    ///< "fog volume", "level set", ...
     std::string vector_type;   ///< of vectors: "invariant", "contravariant relative", ...
     std::string unit;          ///< text "unit" or "units"
+    std::string length_unit;   ///< of world lengths, as write_vdb states it
     bool z_up = false;         ///< written by Blender, Mantaflow, or as a level of a mesh
     bool local_space = false;  ///< vectors are in index space, not along the world's axes
 };

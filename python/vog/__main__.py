@@ -1,0 +1,142 @@
+"""The command vog on any file that Python reads: python -m vog COMMAND FILE ... loads it, and runs the command on a copy in its own format.
+
+--grid names the density, --field further arrays, --measure volume takes fields of any sign alone; without a command, and with
+info, the arrays of the file are listed. Everything else is as `vog COMMAND --help` has it.
+"""
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from typing import Any, List
+
+from ._grids import Grids, density_of, write_scan
+from ._load import YT, kind_of, load, read
+from ._vog import Error, Gaussians, Levels, Volume
+
+
+def _command() -> str:
+    """Path of the command: of this package, else the one on the PATH."""
+    own = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "vog")
+    found = own if os.path.exists(own) else shutil.which("vog")
+    if not found:
+        sys.exit("vog: the command vog is neither in this package nor on the PATH, expected it there (docs/install.md)")
+    return found
+
+
+def _is_input(words: "List[str]", n: int) -> bool:
+    """Whether a word names a file that vog itself does not read, and no file to write."""
+    outputs = ("-o", "--output", "--values-out", "--depth-out")
+    return not words[n].startswith("-") and words[n - 1] not in outputs and os.path.exists(words[n]) and kind_of(words[n]) is not None
+
+
+def _name(text: str) -> str:
+    """Name of an array as names of grids and fields may be: of letters, digits, _ and -."""
+    return re.sub(r"[^\w-]+", "_", text).strip("_")
+
+
+class Options:
+    """Options of a command line that say what is read."""
+
+    def __init__(self, words: "List[str]") -> None:
+        self.words = words
+        self.grid = next(iter(self.values("--grid")), "")
+        # T=temperature and velocity.x name the arrays temperature and velocity.
+        self.fields = list(dict.fromkeys(re.sub(r"\.(x|y|z|magnitude)$", "", text.split("=", 1)[-1]) for text in self.values("--field")))
+        self.ones = "volume" in self.values("--measure")
+        self.rules: Any = {"skip_nonfinite": "--skip-nonfinite" in words, "clip_negative": "--clip-negative" in words}
+
+    def values(self, option: str) -> "List[str]":
+        pairs = zip(self.words, self.words[1:] + [""])
+        return [after if word == option else word.split("=", 1)[1] for word, after in pairs if word == option or word.startswith(option + "=")]
+
+
+def _list(path: str) -> None:
+    """Prints the arrays of a file, and a command to try."""
+    kind, place = kind_of(path)  # type: ignore[misc]
+    data = read(place, kind, "", {})
+    print(f"{path}: {kind.what}")
+    if isinstance(data, Grids):
+        for name in data.names:
+            unit = data.unit(name)
+            print(f"  {name}" + (f"  {unit}" if unit else ""))
+        names = data.names
+    else:
+        names = list(dict.fromkeys(name[1] for name in getattr(data, "field_list", ()) if name[0] not in ("io", "all")))
+        print(f"  {', '.join(names)}" if names else f"  {data!r}")
+    choice = "" if not names or "density" in map(str.lower, names) else f" --grid {shlex.quote(names[0])}"
+    print(f"\nTry:\n  python3 -m vog render {shlex.quote(path)}{choice}")
+
+
+def _written(path: str, folder: str, options: Options) -> "List[str]":
+    """Files of vog's own with the arrays of a file that the options name."""
+    stem = os.path.join(folder, _name(os.path.basename(os.path.normpath(path)).split(".")[0]) or "data")
+    kind, place = kind_of(path)  # type: ignore[misc]
+    if kind is not YT and not options.fields and not options.ones:
+        data = read(place, kind, options.grid, {})
+        if isinstance(data, Grids) and data.scan:
+            write_scan(stem + ".nrrd", data, density_of(data.names, options.grid, path))
+            return [stem + ".nrrd"]
+    wanted = list(dict.fromkeys([options.grid] * (options.ones and options.grid != "") + options.fields))
+    data, fields = load(path, "volume" if options.ones else options.grid, fields=wanted, **options.rules)
+    levels = [data[n] for n in range(len(data))] if isinstance(data, Levels) else [data]
+    if not isinstance(levels[0], Volume):
+        data.save(stem + ".ply" if isinstance(data, Gaussians) else stem + ".csv")
+        return [stem + (".ply" if isinstance(data, Gaussians) else ".csv")]
+    files = []
+    for n, volume in enumerate(levels):
+        volume.name = _name(volume.name)
+        files.append(f"{stem}_L{n}.vdb" if len(levels) > 1 else f"{stem}.vdb")
+        own = {}
+        for name, field in fields.items():
+            value, unit = (field["value"], field["unit"]) if isinstance(field, dict) else (field, "")
+            own[_name(name)] = {"value": value[n] if len(levels) > 1 else value, "unit": unit}
+        volume.save(files[-1], fields={name: field for name, field in own.items() if name != volume.name} or None)
+    if not options.grid:
+        options.words += ["--grid", levels[0].name]
+    return files
+
+
+# What messages of Python call by its keywords, as the command has it.
+_OPTIONS = [
+    (r"\b(clip|skip)_(negative|nonfinite)(=True)?", r"--\1-\2"), (r"density='volume'", "--measure volume"), (r"fields=\[...\]", "--field NAME"),
+    (r"expected the name of one", "expected --grid with one"), (r"\bload: ", ""),
+]  # fmt: skip
+
+
+def _spoken(text: str) -> str:
+    for pattern, option in _OPTIONS:
+        text = re.sub(pattern, option, text)
+    return text
+
+
+def main(words: "List[str]") -> int:
+    """Runs the command on files of vog's own in place of others; returns its exit code."""
+    warnings.showwarning = lambda message, *_: print(f"vog: note: {str(message).splitlines()[0]}", file=sys.stderr)
+    inputs = [n for n in range(len(words)) if _is_input(words, n)]
+    try:
+        if inputs and (inputs[0] == 0 or words[0] == "info"):
+            for n in inputs:
+                _list(words[n])
+            return 0
+        with tempfile.TemporaryDirectory(prefix="vog-") as folder:
+            options = Options(list(words))
+            made = {n: _written(words[n], folder, options) for n in inputs}
+            line = [file for n, word in enumerate(options.words) for file in made.get(n, [word])]
+            for option in ("--grid", "--field") if inputs else ():
+                for n in range(1, len(line)):
+                    if line[n - 1] == option:
+                        line[n] = "=".join(re.sub(r"[^\w.*-]+", "_", part).strip("_") for part in line[n].split("="))
+            return subprocess.call([_command(), *line])
+    except (Error, ImportError, OSError) as error:
+        print("vog: " + _spoken(str(error)), file=sys.stderr)
+    except KeyboardInterrupt:
+        return 130
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,234 @@
+"""Arrays in files of other programs: NumPy, HDF5, NetCDF, GRIB, Zarr, OME-Zarr, DICOM and openPMD."""
+import os
+import warnings
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+import numpy as np
+
+from . import _vog
+from ._grids import Grids, density_of, lattice, one_grid
+from ._packages import need
+from ._readers import oriented
+
+# Most voxels of the level of a pyramid that is read where none is named.
+_MOST_VOXELS = 2**27
+
+At = Mapping[str, int]
+
+
+def chosen(path: str, axis: str, length: int, at: At) -> int:
+    """Index along an axis beside x, y and z: of `at`, else the first, with a warning where there are more."""
+    index = at.get(axis, 0)
+    if not -length <= index < length:
+        raise _vog.Error(f"{path}: {axis} {index}, expected 0 to {length - 1}")
+    if axis not in at and length > 1:
+        warnings.warn(f"{path}: {axis} 0 of {length}; at={{{axis!r}: N}} takes another", stacklevel=4)
+    return index
+
+
+def is_volume(array: Any) -> bool:
+    return array.dtype.kind in "fiub" and (array.ndim == 3 or (array.ndim == 4 and array.shape[3] == 3))
+
+
+def read_numpy(path: str, voxel_size: Any) -> Grids:
+    """Arrays [X, Y, Z] or [X, Y, Z, 3] of a .npy or .npz."""
+    try:
+        loaded = np.load(path, mmap_mode="r")
+    except (ValueError, EOFError, OSError) as error:
+        raise _vog.Error(f"{path}: not an array of numbers: {error}") from None
+    arrays = {"density": loaded} if isinstance(loaded, np.ndarray) else {name: loaded[name] for name in loaded.files}
+    shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+    arrays = {name: array for name, array in arrays.items() if is_volume(array)}
+    if not arrays:
+        raise _vog.Error(f"{path}: {shapes or 'no arrays'}, expected an array of numbers [X, Y, Z]")
+    return one_grid(path, lattice(1 if voxel_size is None else voxel_size, 0), arrays, {})
+
+
+def read_hdf5(path: str, at: At, voxel_size: Any) -> Any:
+    """Arrays of three axes in HDF5, by their paths inside of the file; particles of a snapshot; what yt knows."""
+    h5py = need("h5py", f"load: {path}")
+    try:
+        file = h5py.File(path)
+    except OSError as error:
+        raise _vog.Error(f"{path}: not a file of HDF5: {error}") from None
+    if "openPMD" in file.attrs:
+        return read_openpmd(path, at)
+    if any(name.startswith("PartType") for name in file):
+        return _vog.Points.load(path)
+    arrays: "Dict[str, Any]" = {}
+    file.visititems(lambda name, item: arrays.update({name: item}) if isinstance(item, h5py.Dataset) and is_volume(item) else None)
+    if not arrays:
+        raise _vog.Error(f"{path}: no array of three axes, expected one (or a data set of a simulation: vog.from_yt(yt.load(...)))")
+    units = {name: item.attrs.get("units") for name, item in arrays.items()}
+    return one_grid(path, lattice(1 if voxel_size is None else voxel_size, 0), arrays, units)
+
+
+def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
+    """Variables of three dimensions and more of NetCDF, GRIB or Zarr, along x, y and z."""
+    xarray = need("xarray", f"load: {path}")
+    try:
+        data = xarray.open_zarr(path) if os.path.isdir(path) else xarray.open_dataset(path)
+    except ImportError as error:
+        raise ImportError(f"load: {path}: {str(error).splitlines()[0]}", name=error.name) from None
+    except Exception as error:  # each engine has exceptions of its own
+        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise _vog.Error(f"{path}: xarray cannot read it: {text} (NetCDF needs netcdf4 or h5netcdf, GRIB cfgrib, Zarr zarr)") from None
+    arrays = {str(name): array for name, array in data.data_vars.items() if sum(length > 1 for length in array.shape) >= 3}
+    if not arrays:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in data.data_vars.items())
+        raise _vog.Error(f"{path}: {shapes or 'no variables'}, expected a variable of three dimensions")
+    lead = arrays[density_of(list(arrays), wanted, path)]
+    fixed = {axis: chosen(path, axis, lead.sizes[axis], at) for axis in lead.dims[:-3]}
+    units = {str(lead.coords[axis].attrs.get("units", "")) for axis in lead.dims[-3:] if axis in lead.coords}
+    if voxel_size is None and len(units) > 1:
+        listed = ", ".join(sorted(units))
+        warnings.warn(f"{path}: coordinates of several units ({listed}): voxels are cubes of 1; voxel_size= gives others", stacklevel=3)
+        voxel_size = 1
+
+    def placed(array: Any) -> "Tuple[Any, Any, Any]":
+        array, _, size, origin, length = oriented(array.isel({axis: fixed.get(axis, 0) for axis in array.dims[:-3]}), None, voxel_size)
+        return array, lattice(size, 0 if origin is None else origin), length
+
+    _, matrix, length = placed(lead)
+
+    def blocks(_: int, name: str) -> Any:
+        array, own, _ = placed(arrays[name])
+        if not np.allclose(own, matrix):
+            raise _vog.Error(f"{path}: '{name}' has other coordinates than '{lead.name}', expected arrays of one lattice")
+        return [((0, 0, 0), array.values)]
+
+    return Grids(list(arrays), [matrix], blocks, lambda name: arrays[name].attrs.get("units"), path, length)
+
+
+# --- images
+
+
+def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
+    """Channels of an OME-Zarr image, of the finest level of its pyramid that fits, or the one that is named."""
+    group = need("zarr", f"load: {path}").open_group(path, mode="r")
+    stated = dict(group.attrs)
+    image = stated.get("ome", stated)["multiscales"][0]
+    axes: "List[Dict[str, Any]]" = [{"name": axis} if isinstance(axis, str) else axis for axis in image.get("axes", ["t", "c", "z", "y", "x"])]
+    names = [axis["name"] for axis in axes]
+    if names[-3:] != ["z", "y", "x"]:
+        raise _vog.Error(f"{path}: axes {', '.join(names)}, expected z, y and x at the end")
+    levels = [group[entry["path"]] for entry in image["datasets"]]
+    sizes = [int(np.prod(array.shape[-3:])) for array in levels]
+    if level is None:
+        level = next((n for n, size in enumerate(sizes) if size <= _MOST_VOXELS), len(levels) - 1)
+        if level > 0:
+            warnings.warn(f"{path}: level {level} of {len(levels)}, with {sizes[level]:,} voxels; level=0 takes {sizes[0]:,}", stacklevel=3)
+    if isinstance(level, bool) or not 0 <= level < len(levels):
+        raise _vog.Error(f"{path}: level {level}, expected 0 to {len(levels) - 1}")
+    array = levels[level]
+    scale, place = np.ones(len(axes)), np.zeros(len(axes))
+    for step in (*image["datasets"][level].get("coordinateTransformations", ()), *image.get("coordinateTransformations", ())):
+        factor = np.asarray(step.get("scale", 1.0), float)
+        scale, place = scale * factor, place * factor + np.asarray(step.get("translation", 0.0), float)
+    fixed = {axis: chosen(path, axis, array.shape[n], at) for n, axis in enumerate(names[:-3]) if axis != "c"}
+    channels = array.shape[names.index("c")] if "c" in names else 1
+    labels = [str(one.get("label", f"c{n}")) for n, one in enumerate(stated.get("ome", stated).get("omero", {}).get("channels", []))]
+    if len(labels) != channels or len(set(labels)) != channels:
+        labels = [f"c{n}" for n in range(channels)]
+
+    def blocks(_: int, name: str) -> Any:
+        index = tuple(labels.index(name) if axis == "c" else fixed[axis] for axis in names[:-3])
+        return [((0, 0, 0), np.asarray(array[index]).T)]
+
+    length = str(axes[-1].get("unit", ""))
+    matrix = lattice(scale[:-4:-1], place[:-4:-1])
+    return Grids(labels, [matrix], blocks, lambda _: None, path, _OME_UNITS.get(length, length) or None, scan=True)
+
+
+_OME_UNITS = {"angstrom": "angstrom", "nanometer": "nm", "micrometer": "um", "millimeter": "mm", "centimeter": "cm", "meter": "m"}
+
+
+def _dicom_slices(path: str) -> "List[Any]":
+    """Heads of the slices of one series: that of a file, or the longest one of a folder."""
+    pydicom = need("pydicom", f"load: {path}")
+    folder = path if os.path.isdir(path) else os.path.dirname(path) or "."
+    series: "Dict[str, List[Any]]" = {}
+    for name in sorted(os.listdir(folder)):
+        try:
+            head = pydicom.dcmread(os.path.join(folder, name), stop_before_pixels=True)
+        except (pydicom.errors.InvalidDicomError, IsADirectoryError):
+            continue
+        if "ImagePositionPatient" in head:
+            series.setdefault(str(head.get("SeriesInstanceUID")), []).append(head)
+    if not series:
+        raise _vog.Error(f"{path}: no slices of DICOM with a position, expected a series (dcm2niix makes a .nii of other kinds)")
+    chosen_uid = max(series, key=lambda uid: len(series[uid]))
+    if not os.path.isdir(path):
+        own = str(pydicom.dcmread(path, stop_before_pixels=True).get("SeriesInstanceUID"))
+        chosen_uid = own if own in series else chosen_uid
+    if len(series) > 1:
+        warnings.warn(f"{path}: one of {len(series)} series, with {len(series[chosen_uid])} slices; a slice's name takes another", stacklevel=4)
+    return series[chosen_uid]
+
+
+def read_dicom(path: str) -> Grids:
+    """A series of slices, in RAS coordinates as of NIfTI, in mm; of computed tomography in Hounsfield units."""
+    dcmread = need("pydicom", f"load: {path}").dcmread
+    slices = _dicom_slices(path)
+    head = slices[0]
+    row, column = np.reshape([float(x) for x in head.ImageOrientationPatient], (2, 3))
+    along = np.cross(row, column)
+    places = np.array([[float(x) for x in one.ImagePositionPatient] for one in slices])
+    order = np.argsort(places @ along)
+    slices, places = [slices[n] for n in order], places[order]
+    steps = np.diff(places @ along)
+    if len(steps) and (steps.min() <= 0 or np.ptp(steps) > 0.01 * steps.mean()):
+        raise _vog.Error(f"{path}: slices {steps.min():g} to {steps.max():g} mm apart, expected even steps above 0 (dcm2niix makes even ones)")
+    step = (places[-1] - places[0]) / len(steps) if len(steps) else along * float(head.get("SliceThickness") or 1)
+    down, right = (float(x) for x in head.PixelSpacing)
+    matrix = np.eye(4)
+    matrix[:3] = np.stack([row * right, column * down, step, places[0]], -1)
+
+    def blocks(_: int, name: str) -> Any:
+        pixels = []
+        for one in slices:
+            whole = dcmread(one.filename)
+            pixels.append(whole.pixel_array * np.float32(whole.get("RescaleSlope", 1)) + np.float32(whole.get("RescaleIntercept", 0)))
+        return [((0, 0, 0), np.stack(pixels).astype(np.float32).T)]
+
+    unit = "HU" if head.get("Modality") == "CT" else None
+    # DICOM's axes are to the left and to the back.
+    return Grids(["value"], [np.diag([-1.0, -1, 1, 1]) @ matrix], blocks, lambda _: unit, path, "mm", scan=True)
+
+
+# --- particles and meshes
+
+
+def read_openpmd(path: str, at: At) -> Grids:
+    """Meshes of one iteration of openPMD along x, y and z: E_x or rho."""
+    io = need("openpmd_api", f"load: {path}")
+    series = io.Series(path, io.Access.read_only)
+    steps = sorted(series.iterations)
+    iteration = series.iterations[steps[chosen(path, "iteration", len(steps), at)]]
+    parts = {(name if part == io.Mesh_Record_Component.SCALAR else f"{name}_{part}"): (mesh, mesh[part])
+             for name, mesh in iteration.meshes.items() for part in mesh if len(mesh.axis_labels) == 3}  # fmt: skip
+    if not parts:
+        raise _vog.Error(f"{path}: no mesh of three axes, expected one")
+    mesh = next(iter(parts.values()))[0]
+    axes = [list(mesh.axis_labels).index(axis) for axis in "xyz"]
+    spacing, offset = (np.asarray(values, float)[axes] * mesh.grid_unit_SI for values in (mesh.grid_spacing, mesh.grid_global_offset))
+
+    def blocks(_: int, name: str) -> Any:
+        values = parts[name][1].load_chunk()
+        series.flush()
+        return [((0, 0, 0), np.transpose(values, axes) * parts[name][1].unit_SI)]
+
+    position = np.asarray(next(iter(parts.values()))[1].position, float)[axes]
+    return Grids(list(parts), [lattice(spacing, offset + position * spacing)], blocks, lambda _: None, path, "m")
+
+
+def read_yt(path: str) -> Any:
+    """Data set of yt."""
+    yt = need("yt", f"load: {path}")
+    yt.set_log_level("error")
+    yt.config.ytcfg["yt", "suppress_stream_logging"] = True  # no bars of progress
+    try:
+        return yt.load(path)
+    except Exception as error:
+        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise _vog.Error(f"{path}: yt cannot read it: {text}") from None
