@@ -37,19 +37,20 @@ using Json = nlohmann::ordered_json;
 
 /// The reader of compact models, for the page and for its worker.
 constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
-/// The page's other modules in the order of their dependencies.
-constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js",  "decoder.js", "colors.js",  "transfer.js",      "clip.js",
-    "renderer.js", "light.js",   "slabs.js",   "probe.js",   "quantity.js",      "levels.js",
-    "request.js",  "link.js",    "input.js",   "editor.js",  "clip_controls.js", "controls.js",
-    "overlay.js",  "handles.js", "player.js",  "readout.js", "outer.js",         "record.js"};
-/// Those of pages that stream, between the others and the last one.
-constexpr const char* kStreamModules[] = {"rows.js",     "cut.js",    "visibility.js",
-                                          "requests.js", "source.js", "store.js",
-                                          "loading.js",  "site.js",   "status.js"};
+/// What every view has, in the order of dependencies: no module of these touches anything outside of its canvas.
+constexpr const char* kViewModules[] = {
+    "vectors.js",  "camera.js",  "decoder.js", "colors.js",  "transfer.js", "clip.js",
+    "renderer.js", "light.js",   "slabs.js",   "probe.js",   "quantity.js", "request.js",
+    "link.js",     "motions.js", "input.js",   "readout.js", "viewer.js"};
+/// Those of models that are streamed.
+constexpr const char* kStreamModules[] = {"rows.js",   "cut.js",   "visibility.js", "requests.js",
+                                          "source.js", "store.js", "loading.js",    "site.js"};
 /// Those of pages that stream a compact file by ranges.
 constexpr const char* kRangeModules[] = {"file_tree.js", "range_file.js"};
-constexpr const char* kLastModule[] = {"main.js"};
+/// Those of a whole page.
+constexpr const char* kPageModules[] = {
+    "levels.js",  "status.js", "editor.js", "clip_controls.js", "controls.js", "overlay.js",
+    "handles.js", "player.js", "outer.js",  "record.js",        "main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "erf.glsl",     "chord.glsl",
@@ -112,8 +113,8 @@ std::string bundle(std::span<const char* const> modules) {
 /// The page's own script.
 std::string page_script(const Json& page) {
     const bool streams = page.contains("site"), ranges = streams && page["site"].contains("file");
-    return bundle(kModules) + (streams ? bundle(kStreamModules) : "") +
-           (ranges ? bundle(kRangeModules) : "") + bundle(kLastModule);
+    return bundle(kViewModules) + (streams ? bundle(kStreamModules) : "") +
+           (ranges ? bundle(kRangeModules) : "") + bundle(kPageModules);
 }
 
 /// JSON for a script element, with '<' escaped: no text ends the element or starts a comment.

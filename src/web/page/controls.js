@@ -2,10 +2,10 @@
 import { drawColorBar, reversed } from './picture/colors.js';
 import { keyHelp } from './input.js';
 import { ClipControls } from './clip_controls.js';
-import { Editor, presets, remapped } from './editor.js';
+import { Editor, presets } from './editor.js';
 import { choices, label, numberText, shows, ticks } from './quantity.js';
 import { towardsLight } from './picture/light.js';
-import { transferJson } from './picture/transfer.js';
+import { remapped, transferJson } from './picture/transfer.js';
 import { length, mul } from './vectors.js';
 
 const find = (id) => document.getElementById(id);

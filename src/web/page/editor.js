@@ -19,12 +19,6 @@ function axisOf(transfer, source, log) {
   return { low, high, log, share: (v) => Math.log(Math.max(v, 1e-300) / low) / decades, value: (s) => low * Math.exp(s * decades) };
 }
 
-/** A transfer function with all its values moved: value -> to(value). */
-export function remapped(transfer, to) {
-  const move = (points) => points.map(([v, ...rest]) => [to(v), ...rest]);
-  return { ...transfer, colors: move(transfer.colors), opacity: move(transfer.opacity) };
-}
-
 /** Opacity curves to start from; v(share): value on the axis. */
 export const presets = {
   Ramp: (v) => [[v(0), 0], [v(1), 1]],

@@ -1,5 +1,6 @@
 // input.js: conversion of mouse, touch, wheel and key events to camera motions and commands.
 import { rotated, lookedAround, rolled, panned, zoomed } from './camera.js';
+import { leastDistance, windowed } from './view/motions.js';
 
 /** Screen point (camera.js) of page coordinates. */
 function pointOf(canvas, x, y) {
@@ -29,44 +30,44 @@ function pinched(camera, before, after, leastDistance) {
 }
 
 /**
- * Attaches pointer and wheel events.
- * view  {camera(), move(camera), leastDistance(), still(), embedded(), windowed(rightwards, upwards): whether a right
- *       drag is of the values}
+ * Attaches pointer and wheel events of a Viewer's canvas.
+ * signal  ends them
  */
-export function attachPointers(canvas, view) {
+export function attachPointers(canvas, view, signal) {
   const pointers = new Map();
   const place = (event) => pointOf(canvas, event.clientX, event.clientY);
+  const on = (name, listener) => canvas.addEventListener(name, listener, { passive: false, signal });
 
-  canvas.addEventListener('pointerdown', (event) => {
-    if (view.still()) return;
+  on('pointerdown', (event) => {
+    if (view.state.still) return;
     canvas.focus({ preventScroll: true });
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, place(event));
   });
-  canvas.addEventListener('pointermove', (event) => {
+  on('pointermove', (event) => {
     const from = pointers.get(event.pointerId);
-    if (!from || view.still()) return;
+    if (!from || view.state.still) return;
     const before = [...pointers.values()], to = place(event);
     pointers.set(event.pointerId, to);
-    const least = view.leastDistance();
-    if (before.length === 1 && event.buttons & 2 && view.windowed(0.5 * (to[0] - from[0]), 0.5 * (to[1] - from[1]))) return;
-    if (before.length === 1) view.move(dragged(event, view.camera(), from, to, least));
-    if (before.length === 2) view.move(pinched(view.camera(), before, [...pointers.values()], least));
+    const { camera } = view.state, least = leastDistance(view);
+    if (before.length === 1 && event.buttons & 2 && windowed(view, 0.5 * (to[0] - from[0]), 0.5 * (to[1] - from[1]))) return;
+    if (before.length === 1) view.move(dragged(event, camera, from, to, least));
+    if (before.length === 2) view.move(pinched(camera, before, [...pointers.values()], least));
   });
   for (const end of ['pointerup', 'pointercancel', 'lostpointercapture'])
-    canvas.addEventListener(end, (event) => pointers.delete(event.pointerId));
-  canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+    on(end, (event) => pointers.delete(event.pointerId));
+  on('contextmenu', (event) => event.preventDefault());
 
-  canvas.addEventListener('wheel', (event) => {
+  on('wheel', (event) => {
     // In an embedded page the wheel scrolls the outer page until the picture is clicked.
     const pinch = event.ctrlKey;  // browsers report a trackpad's pinch as Ctrl + wheel
-    if (view.still() || (view.embedded() && !pinch && document.activeElement !== canvas)) return;
+    if (view.state.still || (view.state.embed && !pinch && canvas.getRootNode().activeElement !== canvas)) return;
     event.preventDefault();
     const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
     const steps = Math.max(-240, Math.min(240, pixels)) * (pinch ? 0.01 : 0.0015);
     const point = place(event);
-    view.move(zoomed(view.camera(), point, Math.exp(steps), view.leastDistance()));
-  }, { passive: false });
+    view.move(zoomed(view.state.camera, point, Math.exp(steps), leastDistance(view)));
+  });
 }
 
 /** Lines of the help: [keys, effect]. */
@@ -97,11 +98,11 @@ export const keyHelp = [
 ];
 
 /**
- * Attaches keys for any focus, except where a focused control uses the key itself.
+ * Attaches keys to an element, or to a window for any focus, except where a focused control uses the key itself.
  * commands  {key: function of the event}, by KeyboardEvent.key, or code for digits
  */
-export function attachKeys(commands) {
-  window.addEventListener('keydown', (event) => {
+export function attachKeys(target, commands, signal) {
+  target.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const name = event.code.startsWith('Digit') ? event.code : event.key.toLowerCase();
     const inControl = event.target.closest?.('input, select, button, a, dialog');
@@ -110,5 +111,5 @@ export function attachKeys(commands) {
     if (!commands[name]) return;
     event.preventDefault();
     commands[name](event);
-  });
+  }, { signal });
 }

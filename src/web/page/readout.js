@@ -28,33 +28,30 @@ function linesOfRay({ opacity, value, depth }, model, state) {
 export class Readout {
   /**
    * canvas  of the picture
-   * out     element of the numbers
-   * view    {now(): {model, state}; sums(pixel), ray(pixel): null where there is none to be had; busy(): a frame is under way}
+   * view    the Viewer
+   * tell    called with the lines, of which there may be none
    */
-  constructor(canvas, out, view) {
-    [this.out, this.view, this.pixel] = [out, view, null];
+  constructor(canvas, view, tell) {
+    Object.assign(this, { view, tell, pixel: null });
+    const { signal } = view.ended;
     canvas.addEventListener('pointermove', (event) => {
       const box = canvas.getBoundingClientRect(), scale = canvas.width / box.width;
       this.pixel = [Math.floor((event.clientX - box.left) * scale), Math.floor((event.clientY - box.top) * scale)];
-      if (!view.busy()) this.show();
-    });
+      if (!view.moving && !view.inFlight) this.show();
+    }, { signal });
     canvas.addEventListener('pointerleave', () => {
       this.pixel = null;
       this.show();
-    });
+    }, { signal });
   }
 
   lines() {
-    const { model, state } = this.view.now();
-    if (!this.pixel || state.embed) return [];
+    const { model, state } = this.view;
+    if (!this.pixel) return [];
     if (state.show !== 'volume') return linesOfSums(this.view.sums(this.pixel), model, state);
-    const found = this.view.ray(this.pixel);
+    const found = this.view.probed(this.pixel);
     return found ? linesOfRay(found, model, state) : [];
   }
 
-  show() {
-    const lines = this.lines();
-    this.out.hidden = lines.length === 0;
-    this.out.textContent = lines.join('\n');
-  }
+  show() { this.tell(this.lines()); }
 }

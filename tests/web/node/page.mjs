@@ -57,7 +57,7 @@ globalThis.openPage = async (url, fragment, width, height) => {
     for (const resolve of waiting.splice(0)) resolve();
   };
   const redraw = () => { drawing ||= setTimeout(draw); };
-  const source = new Site(page, new Decoder(''), {
+  const source = new Site(page, new Decoder(), {
     state: () => state, renderer: () => renderer, size: () => [picture.width, picture.height],
     clip: () => ({ box: state.clip, planes: state.planes }), transfer: () => state.transfers[state.field], editing: () => 0, changed: redraw,
     say, fail: (line) => giveUp(`${line}.`), show: showStream,

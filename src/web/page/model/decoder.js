@@ -6,16 +6,12 @@ import { decodeField, decodeFieldFile } from './fields.js';
 const calls = { decodeLevel, decodeField, decodeFieldFile };
 
 export class Decoder {
-  /** source  script of the worker */
-  constructor(source) {
+  /** made  makes the worker, or throws where none can be had */
+  constructor(made) {
     [this.waiting, this.next, this.worker, this.done] = [new Map(), 0, null, { worker: 0, page: 0 }];
     try {
-      const url = URL.createObjectURL(new Blob([source], { type: 'text/javascript' }));
-      this.worker = new Worker(url);
-      this.worker.onmessage = ({ data }) => {
-        URL.revokeObjectURL(url);
-        this.answer(data);
-      };
+      this.worker = made();
+      this.worker.onmessage = ({ data }) => this.answer(data);
       this.worker.onerror = (event) => {
         event.preventDefault();
         this.giveUp();
@@ -31,6 +27,11 @@ export class Decoder {
     ++this.done.worker;
     if (error === undefined) resolve(out); else reject(new Error(error));
   }
+  dispose() {
+    this.waiting.clear();
+    this.worker?.terminate();
+  }
+
   /** No worker can be had: what waits for it is decoded here. */
   giveUp() {
     this.worker?.terminate();

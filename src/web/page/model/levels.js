@@ -82,7 +82,7 @@ export class Levels {
   /** Decodes one level and the shown field, unless it has been. */
   async decode(model, level) {
     const levels = this.levelsOf(model), { extinction, center, unit, fields } = this.page.models[model], field = fieldPlace(this.view.state());
-    const text = document.getElementById(`model-${model}-${level}`).textContent;
+    const text = this.page.textOf(model, level);
     if (!levels[level]) {
       const instances = await this.decoder.decoded('decodeLevel', text, { center, unit }, extinction);
       levels[level] ??= { instances, fields: new Map(), gpu: undefined };

@@ -4,11 +4,14 @@ import { decodeField, decodeFieldFile } from './fields.js';
 
 const calls = { decodeLevel, decodeField, decodeFieldFile };
 
-self.onmessage = async ({ data: { id, name, list } }) => {
-  try {
-    const out = await calls[name](...list);
-    self.postMessage({ id, out }, [out.buffer]);
-  } catch (error) {
-    self.postMessage({ id, error: error.message });
-  }
-};
+/** Begins to answer. */
+export function answering() {
+  self.onmessage = async ({ data: { id, name, list } }) => {
+    try {
+      const out = await calls[name](...list);
+      self.postMessage({ id, out }, [out.buffer]);
+    } catch (error) {
+      self.postMessage({ id, error: error.message });
+    }
+  };
+}

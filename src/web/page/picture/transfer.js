@@ -120,6 +120,12 @@ export function overRange(map, lower, upper, unit, log = false) {
   };
 }
 
+/** A transfer function with all its values moved: value -> to(value). */
+export function remapped(transfer, to) {
+  const move = (points) => points.map(([v, ...rest]) => [to(v), ...rest]);
+  return { ...transfer, colors: move(transfer.colors), opacity: move(transfer.opacity) };
+}
+
 /** The JSON that `vog render --tf` reads. */
 export function transferJson(transfer) {
   const values = [...transfer.colors, ...transfer.opacity].map(([v]) => v);

@@ -54,8 +54,8 @@ export class Requests {
    * tell  {changed(): bytes have come; away(isAway): the server does not answer, or does again}
    */
   constructor(tell) {
-    Object.assign(this, { tell, list: [], flying: new Map(), tries: new Map(), loaded: 0, timer: 0, isAway: false });
-    window.addEventListener('online', () => this.again());
+    Object.assign(this, { tell, list: [], flying: new Map(), tries: new Map(), loaded: 0, timer: 0, isAway: false, ended: new AbortController() });
+    window.addEventListener('online', () => this.again(), { signal: this.ended.signal });
   }
 
   /**
@@ -69,6 +69,12 @@ export class Requests {
     const urls = new Set(list.map(({ url }) => url));
     for (const [url, { stop }] of this.flying) if (!urls.has(url)) stop.abort();
     this.start();
+  }
+
+  /** Nothing is wanted any more. */
+  dispose() {
+    this.ended.abort();
+    this.plan([]);
   }
 
   /** Files that are under way or wait for it; none that the server has not answered several times. */

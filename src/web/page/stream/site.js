@@ -224,6 +224,14 @@ export class Site {
     if (moving && ms < fastMs) this.coarser = Math.max(1, this.coarser / 1.2);
   }
 
+  /** Ends: what is under way is cancelled, and nothing stays in memory. */
+  dispose() {
+    clearTimeout(this.soon);
+    clearTimeout(this.later);
+    this.requests.dispose();
+    Object.assign(this, { trees: null, planned: null, drawn: null, cut: null, lattice: null, reads: new Map(), store: new Store() });
+  }
+
   restart() {
     this.store.restart();
     this.reads = new Map();
