@@ -129,4 +129,7 @@ HtmlReport write_streaming_page(const std::filesystem::path& file,
                                 std::span<const HtmlModel> models, const HtmlSource& source,
                                 const HtmlOptions& options = {});
 
+/// Text of vog-view.js, an ES module that defines the element <vog-view> (docs/web_element.md).
+std::string view_module();
+
 }  // namespace vog

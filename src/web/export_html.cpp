@@ -22,7 +22,9 @@
 #include "vog/field_maps.h"
 #include "vog/picture.h"
 #include "vog/picture_record.h"
+#include "web/modules.h"
 #include "web/page_fields.h"
+#include "web/page_map.h"
 #include "web/page_source.h"
 #include "web/web_files.h"
 
@@ -34,88 +36,6 @@ using namespace web;
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// The reader of compact models, for the page and for its worker.
-constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
-/// What every view has, in the order of dependencies: no module of these touches anything outside of its canvas.
-constexpr const char* kViewModules[] = {
-    "vectors.js",  "camera.js",  "decoder.js", "colors.js",  "transfer.js", "clip.js",
-    "renderer.js", "light.js",   "slabs.js",   "probe.js",   "quantity.js", "request.js",
-    "link.js",     "motions.js", "input.js",   "readout.js", "viewer.js"};
-/// Those of models that are streamed.
-constexpr const char* kStreamModules[] = {"rows.js",   "cut.js",   "visibility.js", "requests.js",
-                                          "source.js", "store.js", "loading.js",    "site.js"};
-/// Those of pages that stream a compact file by ranges.
-constexpr const char* kRangeModules[] = {"file_tree.js", "range_file.js"};
-/// Those of a whole page.
-constexpr const char* kPageModules[] = {
-    "levels.js",  "status.js", "editor.js", "clip_controls.js", "controls.js", "overlay.js",
-    "handles.js", "player.js", "outer.js",  "record.js",        "main.js"};
-/// Those of the worker that decodes.
-constexpr const char* kWorkerModules[] = {"worker.js"};
-constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "erf.glsl",     "chord.glsl",
-                                    "field.frag",  "slab.frag",   "ranges.frag",  "expected.glsl",
-                                    "table.frag",  "finish.frag", "largest.frag", "copy.frag",
-                                    "screen.vert", "shade.frag"};
-
-/// Name declared by a line such as "const x = 1;" or "async function x() {".
-std::string declared_name(std::string_view line) {
-    for (const std::string_view word : {"async ", "function ", "class ", "const "})
-        if (line.starts_with(word)) line.remove_prefix(word.size());
-    return std::string(line.substr(0, line.find_first_of(" (={;")));
-}
-
-/// A file of the page without lines that are comments and nothing else, and without indentation,
-/// which is in no literal there.
-std::string without_comments(const std::string& text) {
-    std::string kept;
-    bool inside = false;
-    for (std::size_t at = 0; at < text.size();) {
-        const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
-        const std::string_view line = std::string_view(text).substr(at, end - at);
-        const std::size_t first = line.find_first_not_of(" \n");
-        const std::string_view words = first == line.npos ? std::string_view() : line.substr(first);
-        at = end;
-        inside = inside || words.starts_with("/*");
-        if (!inside && !words.empty() && !words.starts_with("//")) kept += words;
-        if (words.find("*/") != words.npos) inside = false;
-    }
-    return kept;
-}
-
-/// Modules as one script: each becomes a function that returns its exports to the later ones.
-/// Imports and exported declarations must start a line.
-std::string bundle(std::span<const char* const> modules) {
-    std::string script;
-    for (const char* name : modules) {
-        const std::string text = without_comments(web_file(name));
-        std::string body, exported;
-        for (std::size_t at = 0; at < text.size();) {
-            const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
-            std::string_view line = std::string_view(text).substr(at, end - at);
-            at = end;
-            if (line.starts_with("import ")) continue;
-            if (line.starts_with("export ")) {
-                line.remove_prefix(7);
-                exported += (exported.empty() ? "" : ", ") + declared_name(line);
-            }
-            body += line;
-        }
-        if (exported.empty())
-            script += "(() => {\n" + body + "})();\n";
-        else
-            script += fmt::format("const {{ {} }} = (() => {{\n", exported) + body +
-                      fmt::format("return {{ {} }};\n}})();\n", exported);
-    }
-    return script;
-}
-
-/// The page's own script.
-std::string page_script(const Json& page) {
-    const bool streams = page.contains("site"), ranges = streams && page["site"].contains("file");
-    return bundle(kViewModules) + (streams ? bundle(kStreamModules) : "") +
-           (ranges ? bundle(kRangeModules) : "") + bundle(kPageModules);
-}
 
 /// JSON for a script element, with '<' escaped: no text ends the element or starts a comment.
 std::string script_json(const Json& data) {
@@ -149,25 +69,15 @@ Json json_of(const PixelLimits& limits) {
 }
 Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
 
-Json json_of(const TransferFunction& tf) {
-    Json colors = Json::array(), opacity = Json::array();
-    // Four digits are finer than the 8 bits of the display.
-    const auto rounded = [](float v) { return std::round(double{v} * 1e4) / 1e4; };
-    for (const ColorPoint& c : tf.color)
-        colors.push_back({double{c.v}, rounded(c.r), rounded(c.g), rounded(c.b)});
-    for (const OpacityPoint& o : tf.opacity) opacity.push_back({double{o.v}, rounded(o.opacity)});
-    return {{"name", tf.name}, {"colors", colors}, {"opacity", opacity}};
-}
-
 /// All named maps; before them the chosen one if it is not among them or differs from its namesake.
 /// chosen_name  receives its name in the list
 Json maps_json(const TransferFunction& chosen, std::string& chosen_name) {
     Json maps = Json::array();
-    const Json own = json_of(chosen);
+    const Json own = map_json(chosen);
     chosen_name = chosen.name.empty() ? "own" : chosen.name;
     bool known = false;
     for (const std::string& name : transfer_function_names()) {
-        maps.push_back(json_of(named_transfer_function(name)));
+        maps.push_back(map_json(named_transfer_function(name)));
         if (maps.back() == own) known = true;
     }
     if (known) return maps;
@@ -382,9 +292,10 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
 HtmlReport write_page(const std::filesystem::path& file, const HtmlOptions& options,
                       const Json& page, std::string data, const std::string& connect) {
     std::string shaders;
-    for (const char* name : kShaders)
+    for (const auto& [name, text] : shader_texts())
         shaders += fmt::format("<script type=\"text/plain\" data-shader=\"{}\">\n{}</script>\n",
-                               name, without_comments(web_file(name)));
+                               name, text);
+    const bool streams = page.contains("site"), ranges = streams && page["site"].contains("file");
     HtmlReport report;
     report.extinction = page.at("models").front().at("extinction");
     report.viewer_bytes = data.size();
@@ -393,13 +304,13 @@ HtmlReport write_page(const std::filesystem::path& file, const HtmlOptions& opti
                                 {"description", escaped(options.description)},
                                 {"ground", ground_of(options.shading.background)},
                                 {"connect", connect.empty() ? "" : " connect-src " + connect + ";"},
-                                {"style", without_comments(web_file("page.css"))},
+                                {"style", page_style()},
                                 {"page", script_json(page)},
                                 {"shaders", shaders},
                                 {"models", std::move(data)},
-                                {"reader", bundle(kReaderModules)},
-                                {"worker", bundle(kWorkerModules)},
-                                {"script", page_script(page)}});
+                                {"reader", reader_script()},
+                                {"worker", worker_script()},
+                                {"script", page_script(streams, ranges)}});
     report.bytes = text.size();
     report.viewer_bytes = report.bytes - report.viewer_bytes;
     write_file(file, [&](std::ofstream& out) { out << text; });

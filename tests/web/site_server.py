@@ -19,6 +19,7 @@ class SiteServer:
     ranges   whether single ranges are answered by 206
     answers  {end of a path: DROP, a status or bytes in place of the file}; a callable gets the file's bytes and returns one
              of these, or the bytes to send
+    head     fields of every answer
     part     a callable that gets the beginning of a range, its bytes, and the fields of the answer, which it may change, and
              returns one of the above
     """
@@ -51,7 +52,7 @@ class SiteServer:
         self.url = f"http://127.0.0.1:{self.server.server_address[1]}/"
 
     def reset(self):
-        self.answers, self.part = {}, None
+        self.answers, self.part, self.head = {}, None, {}
         self.tag = None           # ETag of all files
         self.asked = []           # ranges, in order: (first, last)
         self.delay_s = 0          # before each answer
@@ -113,7 +114,7 @@ class SiteServer:
         request.send_header("Content-Type", kind)
         request.send_header("Content-Length", str(len(body)))
         request.send_header("Cache-Control", "no-store")  # so that every request is counted
-        for name, value in fields.items():
+        for name, value in (self.head | fields).items():
             request.send_header(name, value)
         if self.origin:
             request.send_header("Access-Control-Allow-Origin", self.origin)

@@ -1,6 +1,5 @@
 // controls.js: panel, colour bar and notices. Stateless: show() receives the state.
-import { drawColorBar, reversed } from './picture/colors.js';
-import { keyHelp } from './input.js';
+import { fading, reversed, sampled } from './picture/colors.js';
 import { ClipControls } from './clip_controls.js';
 import { Editor, presets } from './editor.js';
 import { choices, label, numberText, shows, ticks } from './quantity.js';
@@ -10,6 +9,33 @@ import { length, mul } from './vectors.js';
 
 const find = (id) => document.getElementById(id);
 const towards = ['towards-0', 'towards-1', 'towards-2'];
+
+/** Lines of the help: [keys, effect]. */
+const keyHelp = [
+  ['drag', 'turn'],
+  ['Shift + drag, two fingers', 'move'],
+  ['wheel, pinch', 'zoom to the pointer, through the volume if need be'],
+  ['right drag', 'of T: zoom; else the shown values: right wider, up higher'],
+  ['Alt + drag, twist', 'roll'],
+  ['Ctrl + drag', 'look around from where you are'],
+  ['W S A D, Page Up/Down', 'fly'],
+  ['arrows, Q E', 'turn by 5 degrees, roll'],
+  ['1 2 3, with Shift', 'view from +x +y +z, from −x −y −z'],
+  ['Home, F', 'first view, fit'],
+  ['5', 'orthographic, or a pinhole'],
+  ['[ ]', 'less, more detail'],
+  ['− = 0', 'less, more, first exposure'],
+  ['M, Shift + M', 'next, previous colours'],
+  ['I, B', 'reverse the colours, fade them into the background'],
+  ['V', 'next quantity'],
+  ['Z, Shift + Z', 'undo, redo an edit of the opacity'],
+  ['N', 'next model'],
+  ['Space , .', 'play, step back, next step'],
+  ['P, C', 'save a PNG, copy a link to this view'],
+  ['Ctrl + V', 'show the view of a copied link, or a picture of vog render'],
+  ['L, H', 'hide colour bar, controls'],
+  ['?', 'this list'],
+];
 
 function element(name, text, attributes = {}) {
   const made = document.createElement(name);
@@ -211,6 +237,24 @@ export class Controls {
     const box = find('help-box');
     if (box.open) box.close(); else box.showModal();
   }
+}
+
+/** Draws the colours of V from 0 (left) to 1 over the background. */
+function drawColorBar(canvas, map, { fade, background }) {
+  const width = canvas.width, values = sampled(fade ? fading(map) : map, width, 1);
+  const context = canvas.getContext('2d');
+  const image = context.createImageData(width, 1);
+  const [r, g, b, a] = background;
+  for (let i = 0; i < width; ++i) {
+    const front = values[4 * i + 3] * (fade ? i / (width - 1) : 1);
+    const behind = a * (1 - front), alpha = front + behind;
+    [r, g, b].forEach((back, k) => {
+      const color = alpha > 0 ? (front * values[4 * i + k] + behind * back) / alpha : 0;
+      image.data[4 * i + k] = Math.round(255 * color);
+    });
+    image.data[4 * i + 3] = Math.round(255 * alpha);
+  }
+  context.putImageData(image, 0, 0);
 }
 
 /** Ticks below a bar; those at its ends stay within. */

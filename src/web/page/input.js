@@ -70,33 +70,6 @@ export function attachPointers(canvas, view, signal) {
   });
 }
 
-/** Lines of the help: [keys, effect]. */
-export const keyHelp = [
-  ['drag', 'turn'],
-  ['Shift + drag, two fingers', 'move'],
-  ['wheel, pinch', 'zoom to the pointer, through the volume if need be'],
-  ['right drag', 'of T: zoom; else the shown values: right wider, up higher'],
-  ['Alt + drag, twist', 'roll'],
-  ['Ctrl + drag', 'look around from where you are'],
-  ['W S A D, Page Up/Down', 'fly'],
-  ['arrows, Q E', 'turn by 5 degrees, roll'],
-  ['1 2 3, with Shift', 'view from +x +y +z, from −x −y −z'],
-  ['Home, F', 'first view, fit'],
-  ['5', 'orthographic, or a pinhole'],
-  ['[ ]', 'less, more detail'],
-  ['− = 0', 'less, more, first exposure'],
-  ['M, Shift + M', 'next, previous colours'],
-  ['I, B', 'reverse the colours, fade them into the background'],
-  ['V', 'next quantity'],
-  ['Z, Shift + Z', 'undo, redo an edit of the opacity'],
-  ['N', 'next model'],
-  ['Space , .', 'play, step back, next step'],
-  ['P, C', 'save a PNG, copy a link to this view'],
-  ['Ctrl + V', 'show the view of a copied link, or a picture of vog render'],
-  ['L, H', 'hide colour bar, controls'],
-  ['?', 'this list'],
-];
-
 /**
  * Attaches keys to an element, or to a window for any focus, except where a focused control uses the key itself.
  * commands  {key: function of the event}, by KeyboardEvent.key, or code for digits

@@ -50,6 +50,10 @@ const words = {
   error: number(leastError, mostError), memory: number(1, 1e5), most: number(1, 1e9), exposure: number(1 / 64, 64),
 };
 
+/** Members of a request that have a default in every picture. */
+export const pictureWords = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'clip',
+  'clip_planes', 'camera'];
+
 /** A value of JSON, without its brackets or quotes where it has none. */
 function valueOf(text) {
   for (const json of [text, `[${text}]`]) {
@@ -66,10 +70,10 @@ export function readLink(text) {
   const found = { settings: {}, request: {}, problems: [] };
   if (/^[^#]*?\{/.test(text)) {
     try {
-      const json = text.slice(text.indexOf('{'), text.lastIndexOf('}') + 1), given = JSON.parse(json.replaceAll("'\\''", "'")), unset = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'clip', 'clip_planes', 'camera'];
+      const json = text.slice(text.indexOf('{'), text.lastIndexOf('}') + 1), given = JSON.parse(json.replaceAll("'\\''", "'"));
       const request = given.picture ?? given;
       if (typeof request !== 'object') throw request;
-      found.request = { ...Object.fromEntries(unset.map((key) => [key, null])), ...request };
+      found.request = { ...Object.fromEntries(pictureWords.map((key) => [key, null])), ...request };
     } catch {
       found.problems.push('the text is neither a link nor a request');
     }
@@ -77,13 +81,18 @@ export function readLink(text) {
   }
   for (const [key, value] of new URLSearchParams(text.replace(/^[^#]*#/, ''))) {
     const given = value === '' && !text.includes(`${key}=`) ? true : valueOf(value);
-    const read = Object.hasOwn(words, key) ? words[key](given) : undefined;
-    if (key.startsWith('camera.')) (found.request.camera ??= {})[key.slice(7)] = given;
-    else if (read === undefined) found.request[key] = key === 'field' ? value : value === '' && given !== true ? null : given;
-    else if (read === null) found.problems.push(`${key} ${value.slice(0, 60)}: out of range`);
-    else found.settings[key] = read;
+    takeWord(found, key, key === 'field' ? value : value === '' && given !== true ? null : given);
   }
   return found;
+}
+
+/** Takes a word and its value into the answer of readLink. */
+export function takeWord(found, key, value) {
+  const read = Object.hasOwn(words, key) ? words[key](value) : undefined;
+  if (key.startsWith('camera.')) (found.request.camera ??= {})[key.slice(7)] = value;
+  else if (read === undefined) found.request[key] = value;
+  else if (read === null) found.problems.push(`${key} ${String(JSON.stringify(value)).slice(0, 60)}: out of range`);
+  else found.settings[key] = read;
 }
 
 /**

@@ -1,6 +1,6 @@
 // fields.js: fields of a compact model as GPU instances.
 import { openedModel } from './gaussians.js';
-import { axesOf, chunkField, fileField } from './vogz.js';
+import { chunkField, fileField, rotationAxes } from './vogz.js';
 
 /** Floats per instance of a scalar field: value, change along each own axis, deviation, skewness. */
 export const scalarFloats = 6;
@@ -11,7 +11,7 @@ export const vectorFloats = 21;
 function setter(out, first, { vector, reference, scale }) {
   const floats = vector ? vectorFloats : scalarFloats;
   return (n, scales, quaternion, { value, deviation, gradient, share }) => {
-    const at = (first + n) * floats, axes = axesOf(quaternion);
+    const at = (first + n) * floats, axes = rotationAxes(quaternion);
     for (let part = 0; part < value.length; ++part) {
       out[at + 4 * part] = (value[part] - reference) / scale;
       const [gx, gy, gz] = gradient[part];

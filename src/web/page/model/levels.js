@@ -1,5 +1,5 @@
 // levels.js: models of a one-file page: levels of detail in its script elements, decoded when first shown, coarsest first.
-// The same calls as Site (stream/site.js), of which main.js has one or the other.
+// The same calls as Site (stream/site.js), of which a Viewer has one or the other.
 import { fieldPlace } from '../quantity.js';
 import { instanceFloats } from './gaussians.js';
 

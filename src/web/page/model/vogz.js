@@ -201,14 +201,14 @@ async function fieldColumns(from, count, vector, { scale, step }) {
 }
 
 /** Columns of the rotation of a quaternion w x y z. */
-export function axesOf([w, x, y, z]) {
+export function rotationAxes([w, x, y, z]) {
   return [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
     [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
     [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]];
 }
 
 /** Variance along an axis within a cutoff, for a deviation of 1 (vog/gaussians.h). */
-function varianceWithin(cutoff) {
+export function varianceWithin(cutoff) {
   let [mass, second] = [0, 0];
   for (let n = 0.5; n < 4096; ++n) {
     const r2 = ((n * cutoff) / 4096) ** 2, shell = r2 * Math.exp(-0.5 * r2);
@@ -244,7 +244,7 @@ async function setField(file, chunk, from, first, vector, source, range, set) {
       for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][n] / spread;
     }
     shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[n])); });
-    if (!vector) limit(one, scales, axesOf(quaternion), range, file.cutoff, within);
+    if (!vector) limit(one, scales, rotationAxes(quaternion), range, file.cutoff, within);
     set(first + n, scales, quaternion, one);
   });
 }

@@ -40,21 +40,3 @@ export function sampled(map, count, power) {
   }
   return values;
 }
-
-/** Draws the colours of V from 0 (left) to 1 over the background. */
-export function drawColorBar(canvas, map, { fade, background }) {
-  const width = canvas.width, values = sampled(fade ? fading(map) : map, width, 1);
-  const context = canvas.getContext('2d');
-  const image = context.createImageData(width, 1);
-  const [r, g, b, a] = background;
-  for (let i = 0; i < width; ++i) {
-    const front = values[4 * i + 3] * (fade ? i / (width - 1) : 1);
-    const behind = a * (1 - front), alpha = front + behind;
-    [r, g, b].forEach((back, k) => {
-      const color = alpha > 0 ? (front * values[4 * i + k] + behind * back) / alpha : 0;
-      image.data[4 * i + k] = Math.round(255 * color);
-    });
-    image.data[4 * i + 3] = Math.round(255 * alpha);
-  }
-  context.putImageData(image, 0, 0);
-}

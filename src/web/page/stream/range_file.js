@@ -1,7 +1,7 @@
 // range_file.js: a compact file (.vogz) on a web server, read by ranges of bytes: its header, then the runs that a view needs. A server
 // that answers with the whole file in place of a range is taken at its word, where the file is small.
 import { Damaged } from '../model/columns.js';
-import { headerOf, startOf } from '../model/vogz.js';
+import { headerOf, kinds, startOf } from '../model/vogz.js';
 import { treeOf } from './file_tree.js';
 import { Failure, answered, whole } from './requests.js';
 
@@ -99,15 +99,23 @@ export class RangeFile {
 
   first() { return { url: this.base.href, name: this.name, bytes: undefined, cache: 'no-cache', read: (how) => this.header(how) }; }
 
-  async trees(bytes, page) {
-    const start = startOf(bytes);
-    let header;
+  /** Description and table of what first() has brought. */
+  async described(bytes) {
     try {
-      header = await headerOf(start, bytes);
+      return await headerOf(startOf(bytes), bytes);
     } catch {
       throw new Error(`${this.name}: a header that is damaged`);
     }
-    const { tree, lattice, end } = treeOf(header, start.end, this.name, page, wayToWrite);
+  }
+  async models(bytes) {
+    const { file, rows } = await this.described(bytes), name = this.name.replace(/\.vogz$/, '');
+    const ends = [0, 1, 2, 3, 4, 5].map((k) => (k < 3 ? Math.min : Math.max)(...rows.filter(({ kind }) => kind === kinds.gaussians).map(({ box }) => box[k])));
+    return { models: [{ ...file, name, ends }], steps: false };
+  }
+
+  async trees(bytes, page) {
+    const header = await this.described(bytes);
+    const { tree, lattice, end } = treeOf(header, startOf(bytes).end, this.name, page, wayToWrite);
     if ((this.isWhole ? this.here.length : this.marks.size ?? end) !== end)
       throw new Error(`${this.name}: ${this.isWhole ? this.here.length : this.marks.size} bytes, expected the ${end} of its table`);
     this.lattice = lattice;

@@ -94,20 +94,30 @@ export function checkFields(fields, of, where) {
   });
 }
 
+/** Models of a manifest, each with the `ends` of its box, and whether they are steps in time. */
+export function modelsOf(bytes, where) {
+  const json = parsedJson(bytes, where);
+  if (!isObject(json) || json.format !== format) refuse(`${where}: format`, json?.format, `'${format}'`);
+  if (json.version !== version) refuse(`${where}: version`, json.version, `${version}: take the viewer and the model from one export`);
+  const { models, steps } = json;
+  if (!Array.isArray(models) || models.length === 0 || models.length > mostModels) refuse(`${where}: models`, models?.length, `1 to ${mostModels}`);
+  models.forEach((model, n) => {
+    const at = `${where}: models[${n}]`;
+    if (!isObject(model)) refuse(at, model, 'a model');
+    model.ends = model.root?.box;
+  });
+  return { models, steps: steps === true };
+}
+
 /**
  * Models of a manifest, a tree of chunks each: [{gaussians, origin, fields: number, root: null where there are no Gaussians}].
  * page  of which the manifest is
  */
 export function treesOf(bytes, where, page) {
-  const json = parsedJson(bytes, where);
-  if (!isObject(json) || json.format !== format) refuse(`${where}: format`, json?.format, `'${format}'`);
-  if (json.version !== version) refuse(`${where}: version`, json.version, `${version}: take the viewer and the model from one export`);
-  const { models } = json;
-  if (!Array.isArray(models) || models.length !== page.models.length || models.length > mostModels)
-    refuse(`${where}: models`, models?.length, `the ${page.models.length} of the page`);
+  const { models } = modelsOf(bytes, where);
+  if (models.length !== page.models.length) refuse(`${where}: models`, models.length, `the ${page.models.length} of the page`);
   return models.map((model, n) => {
     const at = `${where}: models[${n}]`;
-    if (!isObject(model)) refuse(at, model, 'a model');
     if (!isCount(model.gaussians)) refuse(`${at}.gaussians`, model.gaussians, 'a number of Gaussians');
     if (!areNumbers(model.origin, 3)) refuse(`${at}.origin`, model.origin, 'three numbers');
     checkFields(model.fields ?? [], page.models[n], `${at}.fields`);

@@ -21,20 +21,36 @@ const perHalving = 2, sliderSteps = perHalving * Math.log2(mostError / leastErro
 const oldMs = 200;                                 // age at which visibility is found anew while the view changes: some milliseconds
 const soonMs = 15;                                 // from an arrival to the next plan
 
+/** Where a site says that its models lie. */
+export const placeOf = (site) => (site.file ? new RangeFile(site.file) : new Folder(site));
+
+/** Bytes that describe all others of a source. */
+export const firstOf = (source, requests) => new Promise((done, fail) => {
+  const first = source.first();
+  requests.plan([{ ...first, isFirst: true, done, failed: (_, reason) => fail(new Error(`${first.name}: ${reason}${source.hint}`)) }]);
+});
+
+/** A line on a server that does not answer; isFirst: nor has before. */
+export const awayLine = ({ host, origin }, reason, isFirst) => (isFirst && origin !== self.origin
+  ? `No answer from ${host} that pages of ${self.origin} may read (Access-Control-Allow-Origin): it is tried again.`
+  : `No answer from ${host} (${reason}): what is here stays, and the rest is tried again.`);
+
 export class Site {
   /**
    * view  {state(), renderer(): null: none; size(): of the picture, pixels; clip(), transfer(), editing(): of what hides, changed(): draw; say(text, seconds),
-   *       fail(text), refuse(): the field cannot be had; show(status of status.js)}
+   *       fail(text), refuse(): the field cannot be had; show(status of status.js), measure(): as of Loading}
+   * begun page.begun, {source, bytes}: the models' place, and what its first() has brought, where that is known
    */
   constructor(page, decoder, view) {
     Object.assign(this, { page, view, trees: null, turn: 0, planned: null, drawn: null, version: 0, coarser: 1, moving: false, ahead: [] });
     Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map(), soon: 0, later: 0, isStale: false });
-    this.source = page.site.file ? new RangeFile(page.site.file) : new Folder(page.site);
+    this.source = page.begun?.source ?? placeOf(page.site);
     this.store = new Store();
     this.requests = new Requests({ changed: () => this.requested(), away: (isAway, reason) => this.sayAway(isAway, reason) });
+    this.requests.loaded = page.begun?.bytes.length ?? 0;
     this.loading = new Loading(page, this.source, decoder, this.store, {
       renderer: () => view.renderer(), changed: () => this.arrived(),
-      lacks: (chunk, field, line) => this.lacks(chunk, field, line),
+      lacks: (chunk, field, line) => this.lacks(chunk, field, line), measure: view.measure,
     });
   }
 
@@ -59,21 +75,16 @@ export class Site {
   async load() {
     if (this.trees || this.asked) return this.replan();
     this.asked = true;
-    const line = cannotRead(this.source), first = this.source.first();
+    const line = cannotRead(this.source);
     if (line) return this.view.fail(line);
-    const fail = (reason) => this.view.fail(`The model cannot be read: ${reason}`);
-    this.requests.plan([{
-      ...first, isFirst: true, failed: (_, reason) => fail(`${first.name}: ${reason}${this.source.hint}`),
-      done: async (bytes) => {
-        try {
-          this.trees = await this.source.trees(bytes, this.page);
-        } catch (error) {
-          return fail(error.message);
-        }
-        if (!this.root) this.view.say('This model is empty.', 0);
-        this.replan();
-      },
-    }]);
+    try {
+      const bytes = this.page.begun?.bytes ?? await firstOf(this.source, this.requests);
+      this.trees = await this.source.trees(bytes, this.page);
+    } catch (error) {
+      return this.view.fail(`The model cannot be read: ${error.message}`);
+    }
+    if (!this.root) this.view.say('This model is empty.', 0);
+    this.replan();
   }
 
   // --- Plans: which files, in which order. ---
@@ -270,10 +281,7 @@ export class Site {
   }
 
   sayAway(isAway, reason) {
-    const { host, origin } = this.source.base;
     if (!isAway) this.view.say('');
-    else if (!this.trees && origin !== self.origin)
-      this.view.say(`No answer from ${host} that pages of ${self.origin} may read (Access-Control-Allow-Origin): it is tried again.`, 0);
-    else this.view.say(`No answer from ${host} (${reason}): what is here stays, and the rest is tried again.`, 0);
+    else this.view.say(awayLine(this.source.base, reason, !this.trees), 0);
   }
 }

@@ -1,5 +1,5 @@
 // source.js: where the models of a streamed page lie: a site's folder; RangeFile (range_file.js) has the same calls.
-import { treesOf } from './rows.js';
+import { modelsOf, treesOf } from './rows.js';
 
 /** Why a page cannot read from a source, in a line; '': it may. */
 export function cannotRead({ base, server }) {
@@ -27,6 +27,8 @@ export class Folder {
   file(name, bytes) { return { url: new URL(name, this.base).href, name, bytes }; }
   /** The file that describes all others; their names are of their content. */
   first() { return { ...this.file(this.manifest), cache: 'no-cache' }; }
+  /** Models of what first() has brought: {models: their descriptions, steps}. */
+  async models(bytes) { return modelsOf(bytes, this.manifest); }
   /** Trees of chunks, one a model, of what first() has brought; throws Error with a line for the reader. */
   trees(bytes, page) { return treesOf(bytes, this.manifest, page); }
 

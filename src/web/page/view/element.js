@@ -1,0 +1,310 @@
+// element.js: the element <vog-view>, a view in other people's pages. Its attributes and properties are the words of a request.
+import { Decoder } from '../model/decoder.js';
+import { Site, awayLine, firstOf, placeOf } from '../stream/site.js';
+import { Requests } from '../stream/requests.js';
+import { cannotRead } from '../stream/source.js';
+import { pictureWords, readLink, takeWord } from '../link/link.js';
+import { requestOf } from '../link/request.js';
+import { attachKeys } from '../input.js';
+import { Readout } from '../readout.js';
+import { numberText, shows } from '../quantity.js';
+import { Viewer } from './viewer.js';
+import { motions } from './motions.js';
+import { measureModel, measureShown, pageOf } from './defaults.js';
+
+/** Words of a view beside those of a request: their names in links, and the values of a view without them. */
+const own = {
+  model: ['model', 1], exposure: ['exposure', 1], pixel_error: ['error', 1], memory: ['memory', 150], most: ['most', 2e6], subframes: ['subframes', 8],
+  still: ['still', false],
+};
+const words = [...pictureWords, 'unit_distance', 'window', 'bands', 'threshold', 'light_weights', 'background', ...Object.keys(own)];
+const cameraWords = ['camera.eye', 'camera.look_at', 'camera.up', 'camera.fov_degrees', 'camera.orthographic_width'];
+const wordOf = (name) => name.replaceAll('-', '_');
+const nothing = () => ({ settings: {}, request: {}, problems: [] });
+const style = `
+:host { display: block; position: relative; aspect-ratio: 16 / 10; min-width: 0; contain: content; font: 13px/1.45 system-ui, sans-serif; }
+:host([hidden]) { display: none; }
+canvas { position: absolute; inset: 0; width: 100%; height: 100%; outline: none; touch-action: pan-y; cursor: grab; user-select: none; -webkit-user-select: none; }
+canvas:active { cursor: grabbing; }
+canvas:focus-visible { box-shadow: inset 0 0 0 2px #2563a8, inset 0 0 0 4px #fff; }
+p { position: absolute; left: 12px; right: 12px; bottom: 12px; margin: 0 auto; padding: 6px 12px; border-radius: 8px; width: fit-content; box-sizing: border-box;
+overflow-wrap: anywhere; background: #16191d; color: #e8eaed; }
+p.light { background: #fff; color: #1c2126; box-shadow: 0 0 0 1px rgb(0 0 0 / .2); }
+p[hidden] { display: none; }
+span { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; }
+`;
+
+/** Place of models by their address: a folder, or a compact file. */
+function siteOf(address) {
+  const { href, pathname } = new URL(address, document.baseURI), name = pathname.split('/').at(-1);
+  if (/\.vogz$/.test(name)) return { file: href };
+  if (!name.includes('.')) return { manifest: 'manifest.json', base: href };
+  if (/\.json$/.test(name)) return { manifest: name, base: new URL('.', href).href };
+  throw new Error(`${name}: expected a compact file, FILE.vogz, or the folder of a site, which ends in /`);
+}
+
+/**
+ * The class of the element.
+ * given  {shaders: texts by file name, page: as of pageOf, worker(): a new one, or throws}
+ */
+export function elementOf(given) {
+  class VogView extends (globalThis.HTMLElement ?? Object) {
+    static observedAttributes = ['src', 'label', ...words.map((word) => word.replaceAll('_', '-')), ...cameraWords];
+    /** Makes the worker that decodes; where it throws, the page's own thread decodes. */
+    static worker = given.worker;
+
+    #line = document.createElement('p');
+    #described = document.createElement('span');
+    #asked = nothing();  // settings of attributes and of set(), as of readLink
+    #opening = null;     // of the current src
+    #view = null;
+    #settle = null;
+    #ready = null;
+    #hiding = 0;
+    #frame = 0;
+    #isFlat = false;
+
+    constructor() {
+      super();
+      const root = this.attachShadow({ mode: 'open' }), sheet = new CSSStyleSheet();
+      sheet.replaceSync(style);
+      root.adoptedStyleSheets = [sheet];
+      this.#line.setAttribute('role', 'status');
+      this.#line.hidden = true;
+      this.#described.id = 'described';
+      root.append(this.#line, this.#described);
+      this.#renew();
+    }
+
+    // --- The document's side. ---
+
+    connectedCallback() {
+      // Properties that were set before the element was defined.
+      for (const word of ['src', 'label', ...words]) {
+        if (!Object.hasOwn(this, word)) continue;
+        const value = this[word];
+        delete this[word];
+        this[word] = value;
+      }
+      if (!this.#opening) this.#reopen();
+    }
+    disconnectedCallback() {
+      // An element that moves is in the document again at once.
+      queueMicrotask(() => { if (!this.isConnected) this.dispose(); });
+    }
+    attributeChangedCallback(name, before, value) {
+      if (before === value) return;
+      if (name === 'src') return this.#reopen();
+      if (name === 'label') return this.#describe();
+      const word = wordOf(name), found = nothing();
+      if (word.startsWith('camera')) found.request.camera = this.#cameraOfAttributes();
+      else if (value === null && own[word]) takeWord(found, ...own[word]);
+      else Object.assign(found, readLink(`#${own[word]?.[0] ?? word}${value === '' ? '' : `=${encodeURIComponent(value ?? '')}`}`));
+      this.#take(found);
+    }
+    #cameraOfAttributes() {
+      const read = (name) => readLink(`#${name}=${encodeURIComponent(this.getAttribute(name))}`).request.camera;
+      const given = ['camera', ...cameraWords].filter((name) => this.hasAttribute(name)).map(read);
+      return given.length > 0 ? Object.assign({}, ...given) : null;
+    }
+
+    get src() { return this.getAttribute('src') ?? ''; }
+    set src(address) { this.setAttribute('src', address); }
+    get label() { return this.getAttribute('label') ?? ''; }
+    set label(text) { this.setAttribute('label', text); }
+
+    // --- The author's side. ---
+
+    /** Settles with the first picture, or with the error that there is none. */
+    get ready() { return this.#ready; }
+
+    /** Sets words of a request, and the view's own. Returns a line for each that cannot be. */
+    set(settings) {
+      const found = nothing();
+      for (const [key, value] of Object.entries(settings)) {
+        const word = wordOf(key);
+        if (words.includes(word)) takeWord(found, own[word]?.[0] ?? word, value);
+        else found.problems.push(`${key}: expected one of ${words.join(', ')}`);
+      }
+      return this.#take(found);
+    }
+    /** Value of a word. */
+    get(word) {
+      const view = this.#view, [key] = own[word] ?? [];
+      if (!view || !key) return this.request?.[word] ?? this.#asked.request[word] ?? this.#asked.settings[key] ?? own[word]?.[1] ?? null;
+      if (key === 'model') return view.state.model + 1;
+      return (key === 'error' ? view.state.pixelError : view.state[key]) ?? own[word][1];
+    }
+
+    /** The request of the picture, as set() takes it; null before there is a model. */
+    get request() {
+      const view = this.#view;
+      if (!view) return null;
+      const { canvas: { width, height }, page: { background } } = view;
+      return requestOf(view.page, view.state, { scale: view.scale, size: [width, height], background });
+    }
+    /** The same as a link's words, from # on, for pages and `vog render --request`. */
+    get link() { return this.#view?.link ?? ''; }
+    /** What there is to be shown: [{name, shows, fields: [{name, unit, lower, upper}]}]. */
+    get models() {
+      const fieldOf = ({ name, unit, lower, upper }) => ({ name, unit, lower, upper });
+      return (this.#view?.page.models ?? []).map((model) => ({ name: model.name, shows: shows(model).map(([show]) => show), fields: model.fields.map(fieldOf) }));
+    }
+
+    /** Calls a function of the detail at 'change', 'error', 'progress' or 'probe'; returns a function that ends this. */
+    on(name, listener) {
+      const call = (event) => listener(event.detail);
+      this.addEventListener(name, call);
+      return () => this.removeEventListener(name, call);
+    }
+
+    /** A PNG of the whole picture at rest. */
+    async picture() {
+      await this.#ready;
+      const view = this.#view;
+      await view.settled();
+      return new Promise((done, fail) => {
+        view.snapshot().toBlob((blob) => (blob ? done(blob) : fail(new Error('the browser has no memory for the picture'))), 'image/png');
+      });
+    }
+
+    /** Ends: frees memory, ends the worker and what is under way. Another src begins anew. */
+    dispose() {
+      this.#opening?.abort();
+      this.#view?.dispose();
+      this.#view?.canvas.remove();
+      this.#opening = this.#view = null;
+      cancelAnimationFrame(this.#frame);
+      this.#frame = 0;
+      this.#say('', 0);
+    }
+
+    // --- Opening. ---
+
+    #renew() {
+      this.#ready = new Promise((resolve, reject) => { this.#settle = { resolve, reject }; });
+      this.#ready.catch(() => {});  // the event tells those who do not wait
+    }
+
+    #reopen() {
+      this.dispose();
+      if (!this.isConnected || !this.src) return;
+      this.#settle.reject(new Error('another model is opened'));
+      this.#renew();
+      const { signal } = this.#opening = new AbortController();
+      this.#open(signal).catch((error) => { if (!signal.aborted) this.#fail(`The model cannot be read: ${error.message}.`); });
+    }
+
+    async #open(signal) {
+      const site = siteOf(this.src), source = placeOf(site), line = cannotRead(source);
+      if (line) return this.#fail(`${line}.`);
+      const requests = new Requests({ changed() {}, away: (isAway, reason) => this.#warn(isAway ? awayLine(source.base, reason, true) : '', 0) });
+      signal.addEventListener('abort', () => requests.dispose());
+      const bytes = await firstOf(source, requests), { models, steps } = await source.models(bytes);
+      if (signal.aborted) return;
+      requests.dispose();
+      this.#start({ ...pageOf(given.page, models, { ...site, steps }), begun: { source, bytes } });
+    }
+
+    #start(page) {
+      const canvas = document.createElement('canvas'), system = matchMedia('(prefers-color-scheme: light)');
+      canvas.tabIndex = 0;
+      canvas.setAttribute('role', 'img');
+      canvas.setAttribute('aria-describedby', 'described');
+      this.shadowRoot.prepend(canvas);
+      const view = this.#view = new Viewer(canvas, {
+        page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models: Site, panel: false, measures: { measureModel, measureShown },
+      }, {
+        say: (text, seconds) => this.#warn(text, seconds), fail: (text) => this.#fail(text), resized: () => this.#resized(canvas), playing: () => false,
+        shown: () => this.#changed(), status: (status) => this.#tell('progress', status), ground: (name) => { this.#line.className = name; },
+        took: () => { if (view.count > 0) this.#settle.resolve(this); },
+        drawn: () => {
+          this.#settle.resolve(this);
+          this.#describe();
+        },
+        // What needed these numbers is set again; the camera may have been turned since.
+        measured: () => view.apply({ ...nothing(), request: { ...this.#asked.request, camera: undefined } }),
+      });
+      const { signal } = view.ended;
+      // The wheel and vertical swipes are the surrounding page's until the picture has been clicked.
+      Object.assign(view.state, { embed: true, camera: view.firstView });
+      system.addEventListener('change', () => view.followSystem(system.matches), { signal });
+      attachKeys(canvas, motions(view), signal);
+      new Readout(canvas, view, (lines) => this.#tell('probe', { lines }));
+      this.#apply(this.#asked);
+      this.#describe();
+      view.start();
+    }
+
+    // --- Changes. ---
+
+    #take(found) {
+      Object.assign(this.#asked.settings, found.settings);
+      Object.assign(this.#asked.request, found.request);
+      return this.#apply(found);
+    }
+
+    #apply({ settings, request, problems: before }) {
+      const view = this.#view, { background, ...others } = request, isSystem = background === 'system';
+      const problems = view ? view.apply({ settings, request: isSystem ? others : request, problems: before }) : before;
+      if (view && isSystem) {
+        view.page.systemBackground = true;
+        view.followSystem(matchMedia('(prefers-color-scheme: light)').matches);
+      }
+      if (problems.length > 0) this.#warn(`Not in this picture: ${problems.join('; ')}`, 12);
+      return problems;
+    }
+
+    /** One event for all changes of a frame. */
+    #changed() {
+      this.#frame ||= requestAnimationFrame(() => {
+        this.#frame = 0;
+        if (this.#view) this.#tell('change', { request: this.request });
+      });
+    }
+
+    #resized({ clientWidth: width, clientHeight: height }) {
+      // A hidden element has no box at all.
+      const isFlat = width * height === 0 && this.getClientRects().length > 0;
+      if (isFlat && !this.#isFlat) this.#warn(`The element is ${width} x ${height} pixels, expected a width and a height`, 0);
+      if (!isFlat && this.#isFlat) this.#warn('', 0);
+      this.#isFlat = isFlat;
+    }
+
+    // --- Words. ---
+
+    #tell(name, detail) { this.dispatchEvent(new CustomEvent(name, { detail })); }
+
+    /** Shows a line for some seconds; 0: until the next; '': none. */
+    #say(text, seconds) {
+      clearTimeout(this.#hiding);
+      this.#line.textContent = text;
+      this.#line.hidden = text === '';
+      if (text && seconds > 0) this.#hiding = setTimeout(() => this.#say('', 0), 1000 * seconds);
+    }
+    #warn(text, seconds) {
+      this.#say(text, seconds);
+      if (text) this.#tell('error', { message: text, fatal: false });
+    }
+    /** There is no picture. */
+    #fail(text) {
+      this.dispose();
+      this.#say(text, 0);
+      this.#settle.reject(new Error(text));
+      this.#tell('error', { message: text, fatal: true });
+    }
+
+    /** What is seen, for those who hear it. */
+    #describe() {
+      const view = this.#view;
+      if (!view) return;
+      const { show, field, camera, map } = view.state, name = shows(view.model).find(([one]) => one === show)[1], of = show === 'T' || show === 'column' ? '' : ` of ${view.model.fields[field]?.name}`;
+      const from = camera.eye.map((v, k) => numberText(v - camera.at[k])).join(', ');
+      view.canvas.setAttribute('aria-label', `${this.label || view.page.title}. Drag or press arrow keys to turn, pinch or press W and S to come nearer.`);
+      this.#described.textContent = `${name}${of} in ${map}, ${view.count.toLocaleString('en')} Gaussians, seen from ${from}.`;
+    }
+  }
+  for (const word of words)
+    Object.defineProperty(VogView.prototype, word, { get() { return this.get(word); }, set(value) { this.set({ [word]: value }); }, enumerable: true });
+  return VogView;
+}

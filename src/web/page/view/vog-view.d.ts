@@ -1,0 +1,91 @@
+// vog-view.d.ts: types of the module vog-view.js (docs/web_element.md).
+export type Vector = [number, number, number];
+export interface Camera { eye: Vector; look_at: Vector; up?: Vector; fov_degrees?: number; orthographic_width?: number }
+export interface TransferFunction {
+  name?: string;
+  colors: [number, number, number, number][];
+  opacity?: [number, number][];
+  domain?: [number, number];
+  unit_distance?: number;
+}
+
+/** Words of a picture's request (docs/formats.md); null: the default. */
+export interface PictureSettings {
+  show?: 'T' | 'column' | 'mean' | 'deviation' | 'volume' | 'maximum' | null;
+  field?: string | null;
+  tf?: string | TransferFunction | null;
+  range?: [number, number] | null;
+  scale?: 'auto' | 'linear' | 'log' | null;
+  unit_distance?: number | null;
+  window?: [number, number] | null;
+  bands?: [number, number | null, Vector, number][] | null;
+  threshold?: number | null;
+  extinction?: number | 'auto' | null;
+  blend?: boolean | null;
+  background?: 'black' | 'white' | 'transparent' | 'system' | Vector | [number, number, number, number] | null;
+  light?: 'head' | 'studio' | Vector | null;
+  light_weights?: [number, number, number, number] | null;
+  shadows?: boolean | null;
+  light_from?: Vector | null;
+  ambient_occlusion?: boolean | null;
+  scattering?: number | null;
+  clip?: [number, number, number, number, number, number] | null;
+  clip_planes?: [number, number, number, number][] | null;
+  camera?: Partial<Camera> | null;
+}
+/** Words of a view alone. */
+export interface ViewSettings {
+  /** Which of several models, 1 the first. */
+  model?: number;
+  /** Factor on the extinction of T, 1/64 to 64. */
+  exposure?: number;
+  /** Error that coarse parts may have, pixels of the screen, 0.5 to 32. */
+  pixel_error?: number;
+  /** Largest memory, MB. */
+  memory?: number;
+  /** Largest number of Gaussians. */
+  most?: number;
+  /** Sub-frames that smooth a picture at rest, 1 to 64; with 1 it is `vog render`'s. */
+  subframes?: number;
+  /** Whether hands and keys move nothing. */
+  still?: boolean;
+}
+export interface Settings extends PictureSettings, ViewSettings {}
+
+export interface ViewEvents {
+  change: { request: PictureSettings & { size: [number, number] } };
+  /** fatal: there is no picture. */
+  error: { message: string; fatal: boolean };
+  /** bytes that have come, files under way, error of the picture in pixels, whether memory bounds it. */
+  progress: { loaded: number; toCome: number; error: number; isFull: boolean };
+  /** Numbers below the pointer, a line each. */
+  probe: { lines: string[] };
+}
+
+export interface ViewModel {
+  name: string;
+  shows: string[];
+  fields: { name: string; unit: string; lower: number; upper: number }[];
+}
+
+type Words = { [Word in keyof Settings]-?: NonNullable<Settings[Word]> | null };
+export interface VogView extends Words {}
+export class VogView extends HTMLElement {
+  /** Makes the worker that decodes; where it throws, the page's own thread decodes. */
+  static worker: () => Worker;
+  src: string;
+  /** What the picture shows, for those who hear it. */
+  label: string;
+  readonly ready: Promise<VogView>;
+  readonly request: ViewEvents['change']['request'] | null;
+  readonly link: string;
+  readonly models: ViewModel[];
+  set(settings: Settings): string[];
+  get<Word extends keyof Settings>(word: Word): Settings[Word];
+  on<Name extends keyof ViewEvents>(name: Name, listener: (detail: ViewEvents[Name]) => void): () => void;
+  picture(): Promise<Blob>;
+  dispose(): void;
+}
+declare global {
+  interface HTMLElementTagNameMap { 'vog-view': VogView }
+}
