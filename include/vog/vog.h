@@ -49,6 +49,7 @@
 #include "vog/compare.h"
 #include "vog/convert.h"
 #include "vog/convert_fields.h"
+#include "vog/convert_labels.h"
 #include "vog/dense.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"

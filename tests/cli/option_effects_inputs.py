@@ -25,6 +25,7 @@ def make_inputs(made):
         return max(0.0, 0.5 - 0.08 * r + 0.02 * ((x * 7 + y * 3 + z) % 5)) * (r < 5.5)
 
     volume("small.nrrd", blob)
+    volume("labels.nrrd", lambda x, y, z: 1.0 + (x > 5))
     volume("across.nrrd", blob, origin=0.3, spacing=0.7)
     volume("nan.nrrd", lambda x, y, z: float("nan") if x == y == 5 else blob(x, y, z))
     volume("negative.nrrd", lambda x, y, z: -0.1 if x == y == 5 else blob(x, y, z))

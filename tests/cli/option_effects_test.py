@@ -35,7 +35,7 @@ PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--m
 # Values that differ from the default, where those of option_pairs_test.py do not; COMMAND OPTION goes before OPTION.
 VALUES = {
     "--renderer": "trace", "--interpolation": "linear", "--scale": "log|linear", "--view": "+x", "--set kappa": "0.2",
-    "--set aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
+    "--set aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1", "--labels": "{made}/labels.nrrd",
     "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "export --as": "3dgs|volprim", "export --iso": "0.03|0.02", "export --voxel-size": "0.02", "--pixel-error": "40", "--set similarity": "0.9",
     "--set resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -11,6 +12,7 @@
 #include "commands/commands.h"
 #include "conversion/convert_run.h"
 #include "conversion/field_conversion.h"
+#include "conversion/label_parts.h"
 #include "files/outputs.h"
 #include "files/sequence.h"
 #include "models/model_inputs.h"
@@ -182,7 +184,7 @@ nlohmann::ordered_json convert_models(const ConvertArguments& arguments) {
 /// Converts all inputs to one model.
 /// in_sequence  whether it is one of a folder's
 /// returns      the report of --json; null where it was printed in words
-nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const GivenOptions& command,
+nlohmann::ordered_json convert_one(ConvertArguments arguments, const GivenOptions& command,
                                    const ConvertRanks& ranks, bool in_sequence = false) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (ranks.collective && extension_of(arguments.output) == ".vogz")
@@ -210,11 +212,16 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
+    if (!arguments.labels.empty() && ranks.convert_volumes)
+        throw UsageError("--labels: volumes are divided by one process, expected vog convert");
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
     LoadedVolumes set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
+    std::vector<double> shares;
+    if (!arguments.labels.empty())
+        shares = stages.run("labels", [&] { return divide_by_labels(arguments, set); });
     print_notes(set.notes);
     const std::optional<Box> period = period_of(arguments, set.volumes);
     moments.periodic = period;
@@ -272,13 +279,18 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
         if (by_moments && set.is_mesh())
             return add(convert_moments(mesh, moments, &one), one, volume_mass);
         if (set.is_mesh()) return add(convert_paper(mesh, paper), one, volume_mass);
-        for (Volume& volume : volumes)
+        const std::size_t budget = moments.budget;
+        for (std::size_t n = 0; n < volumes.size(); ++n) {
+            Volume& volume = volumes[n];
+            if (budget && !shares.empty())
+                moments.budget = static_cast<std::size_t>(std::ceil(double(budget) * shares[n]));
             if (carries)
                 convert_for({&volume, 1});
             else
                 add(by_moments ? convert_moments(volume, moments, &one)
                                : convert_paper(volume, paper),
                     one, mass(volume));
+        }
     });
     if (!arguments.no_fields && !own_alone && !carries)
         stages.run("fields", [&] {
@@ -537,6 +549,10 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
         "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. Of "
         "particles velocity, a column or NAME=COLUMN. Repeatable. The volume's own values are one "
         "by default");
+    command->add_option("--labels", arguments->labels,
+                        "Labels that divide the volume, as of a segmentation: a grid of whole "
+                        "numbers, FILE, FILE:GRID or GRID. No Gaussian "
+                        "straddles two of them, and each has its own as the field 'label'");
     command->add_option(
         "--for", arguments->joint_field,
         "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "

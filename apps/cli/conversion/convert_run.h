@@ -28,6 +28,7 @@ struct ConvertArguments : ModelArguments {
     PaperOptions paper;
     MomentOptions moments;
     std::vector<std::string> fields;  ///< texts of --field (options/field_options.h)
+    std::string labels{};             ///< FILE:GRID, FILE or GRID; empty: none
     std::string joint_field;          ///< --for: a field, or "volume"; empty: none
     int joint_steps = kJointSteps;
     bool no_hierarchy = false, again = false;
