@@ -54,7 +54,8 @@ std::vector<FieldChoice> field_choices(const Fields& fields, Show show) {
 FieldChoice field_for(const Fields& fields, Show show, const std::string& text) {
     const std::vector<FieldChoice> all = field_choices(fields, show);
     if (show == Show::slice)
-        throw Error("slices are not shown in windows, expected vog render --show slice");
+        throw Error(
+            "windows draw no slices, expected T, column, mean, deviation, volume or maximum");
     if (all.empty())
         throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
                                 is_by_value(show) ? "scalar " : ""));
