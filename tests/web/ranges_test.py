@@ -13,7 +13,8 @@ from site_server import DROP
 from streaming_test_case import DUST, SMALL, NodeSiteTest, NodeTest, write_dust
 
 FINE = "#subframes=1&error=0.5"  # at few pixels the coarsest chunk errs by one
-FIRST_BYTES = 65536  # of the first request
+FIRST_BYTES = 24576  # of the first request
+BEHIND_ROOT = 65536  # where the coarsest chunk has ended
 
 
 class Ranges(NodeSiteTest):
@@ -67,7 +68,7 @@ class Ranges(NodeSiteTest):
         self.assertEqual(len(server.asked), asked)
 
     def test_a_long_header_takes_a_second_request(self):
-        self.changed = self.changed | {"stream/range_file.js": ("firstBytes = 1 << 16", "firstBytes = 100")}
+        self.changed = self.changed | {"stream/range_file.js": ("firstBytes = 3 << 13", "firstBytes = 100")}
         server = self.begin()
         self.settle()
         self.assertEqual(server.asked[0], (0, 99))
@@ -106,7 +107,7 @@ class Ranges(NodeSiteTest):
         self.assertGreaterEqual(self.drawn, coarse)
         self.assertLessEqual(len(server.asked), asked + 6)  # those under way
 
-    def expect_coarse(self, words, answer, first=FIRST_BYTES):
+    def expect_coarse(self, words, answer, first=BEHIND_ROOT):
         """Expects the page to go on with the parent of parts whose range has a bad answer, and one line."""
         def bad(begin, body, fields):
             return answer(body, fields) if begin >= first else body

@@ -5,7 +5,8 @@ import { headerOf, kinds, startOf } from '../model/vogz.js';
 import { treeOf } from './file_tree.js';
 import { Failure, answered, whole } from './requests.js';
 
-const firstBytes = 1 << 16, mostHeader = 1 << 25;  // of the first request; of all that is before the first run
+// Of the first request: a header of some million Gaussians, and little of what a view may not need; of all that is before the first run.
+const firstBytes = 3 << 13, mostHeader = 1 << 25;
 const mostWhole = 64e6;                            // of a file that comes at once
 const mostGap = 8192;                              // between two runs that one request brings: less than a request costs
 
@@ -60,6 +61,11 @@ export class RangeFile {
   async range(begin, end, { signal, cache, count }, isFirst = false) {
     if (this.isChanged) throw this.changed();
     if (this.isWhole || (end <= this.here.length && cache !== 'reload')) return this.here.subarray(begin, end);
+    const known = cache === 'reload' || begin >= this.here.length ? 0 : this.here.length - begin;
+    if (known > 0) {
+      const rest = await this.range(begin + known, end, { signal, cache, count });
+      return joined([this.here.subarray(begin, begin + known), rest], known + rest.length);
+    }
     const answer = await answered(this.base.href, { signal, cache, headers: { Range: `bytes=${begin}-${end - 1}` } }, isFirst);
     if (answer.status !== 206) {
       this.checkSame(answer, undefined);
