@@ -115,6 +115,8 @@ TEST_F(labels_command, share_a_budget) {
 
 TEST_F(labels_command, that_are_none_are_refused_in_one_line) {
     must_fail(1, "convert gas.vdb --labels half.vdb -o m.ply", "expected whole numbers");
+    must_fail(1, "convert gas.vdb --labels density -o m.ply", "expected whole numbers");
+    must("convert seg.vdb --labels segments --block 8 -o m.ply");
     must_fail(1, "convert gas.vdb --labels nothing -o m.ply", "nothing");
     must_fail(2, "convert gas.vdb seg.vdb --combine sum --labels seg.vdb -o m.ply",
               "divides one volume");

@@ -49,20 +49,23 @@ class Parts {
 std::vector<LabelledVolume> divide_by_labels(const Volume& volume, const VoxelField& labels) {
     Parts parts(volume, labels);
     const VoxelValues& values = labels.component.front();
+    // The volume's own values: without a copy.
+    const bool own = values.leaf.empty() && values.tile.empty();
     for (std::size_t l = 0; l < volume.leaves.size(); ++l) {
         const Leaf& leaf = volume.leaves[l];
         std::map<float, Leaf> of_label;
         for (int n = 0; n < kLeafVoxels; ++n) {
             if (!leaf.active(n)) continue;
             const auto offset = static_cast<std::size_t>(n);
-            Leaf& to = of_label.try_emplace(values.leaf[l][offset]).first->second;
+            const float label = own ? leaf.value[offset] : values.leaf[l][offset];
+            Leaf& to = of_label.try_emplace(label).first->second;
             to.origin = leaf.origin;
             to.set(n, leaf.value[offset]);
         }
         for (auto& [label, part] : of_label) parts.of(label).leaves.push_back(std::move(part));
     }
     for (std::size_t t = 0; t < volume.tiles.size(); ++t)
-        parts.of(values.tile[t]).tiles.push_back(volume.tiles[t]);
+        parts.of(own ? volume.tiles[t].value : values.tile[t]).tiles.push_back(volume.tiles[t]);
     return parts.take();
 }
 
