@@ -21,6 +21,8 @@
 namespace vog {
 
 struct Collective;
+struct PictureRequest;
+struct ResolvedPicture;
 
 /// Model of a page. With several, the page shows one and has a switch between them.
 struct HtmlModel {
@@ -70,6 +72,16 @@ struct HtmlOptions {
     /// Use black or white, by the dark or light mode of the reader's system, as the background.
     bool system_background = false;
 };
+
+/// First quantity of a page or a window from a request, without a transfer function of values.
+/// throws  RequestError (vog/picture.h) for a symmetric scale, a logarithmic one of values that are not above 0, and more than
+///         kMostHtmlPlanes planes
+HtmlQuantity html_quantity(const PictureRequest& request);
+/// Quantity, colours, view and extinction of a request, with the defaults of pictures of a page's first model.
+/// volume  receives the picture of show volume, with its defaults; null: not wanted
+/// throws  as html_quantity and resolve() do
+HtmlOptions html_options(const PictureRequest& request, const Gaussians& model,
+                         ResolvedPicture* volume = nullptr);
 
 /// Sizes and settings of a page written.
 struct HtmlReport {

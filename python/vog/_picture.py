@@ -211,6 +211,62 @@ def render(
     return Scene(data, fields).render(camera, size, progress=progress, **request)
 
 
+# Members of requests that a page begins with: as `vog page` has them.
+_OF_PAGES = [
+    key
+    for key, (_, _, _, _, shows, renderers) in _MEMBERS.items()
+    if key in ("show", "field", "range", "scale", "tf", "extinction", "background", "blend", "clip", "clip_planes")
+    or (shows.startswith("volume") and key != "layers")
+]
+
+
+def export_html(
+    file: "Union[str, os.PathLike[str]]",
+    models: Any,
+    *,
+    title: str = "",
+    description: str = "",
+    levels: int = 8,
+    camera: "Optional[_vog.Camera]" = None,
+    steps: bool = False,
+    precise: bool = False,
+    url: str = "",
+    **request: Any,
+) -> "Dict[str, int]":
+    """Writes models to one self-contained HTML page, which needs no server, network or other file.
+
+    file                page to write; or a folder, an existing one or a name that ends in /: a site, of whose models a browser loads what its
+                        views need from any web server (vog serve shows it)
+    models              Gaussians, or {name: Gaussians}: the page lets its reader select one
+    title               title of the page; default: the first name
+    description         text below the title
+    levels              largest number of levels of detail: the model, then a quarter as many Gaussians each time
+    camera              initial view; None: Camera.orbit of each model, fitted
+    steps               True: the models are steps in time, with a play bar and one extinction
+    precise             True: numbers four times as fine, for 4 bytes more a Gaussian
+    url                 address of https or http, or relative to the page, at which a copy of the data lies: models is then the path of a
+                        site or of a compact model (vog pack --hierarchy --deflate), and the page streams it from there
+
+    Keywords of the request that the page begins with, as render() has them; None: the default. background may be 'system', too: black or
+    white by the reader's colour scheme.
+
+    KEYWORDS
+
+    Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.
+
+    >>> model = vog.convert(vog.sample_cloud(64), block=8)
+    >>> report = vog.export_html("cloud.html", {"cloud": model}, title="A cloud", show="volume", light="studio")
+    >>> report["gaussians"] == len(model)
+    True
+    """
+    system = isinstance(request.get("background"), str) and request["background"] == "system"
+    given = {"camera": camera, **request, **({"background": None} if system else {})}
+    text = _json("export_html", given, (*_OF_PAGES, "camera"))
+    module: Any = _vog
+    written: "Dict[str, int]" = module._export_html(file, models, text, title, description, levels, steps, precise, url, system)
+    return written
+
+
 def recolor(self: Any, **request: Any) -> Any:
     """The same numbers under other colours, scale and marks, without drawing again: a Picture. None: as they are.
 
@@ -231,6 +287,9 @@ def extend_picture() -> None:
     module.__all__.append("render")
     _state_keywords(render, [key for key in _MEMBERS if key != "size"])
     _state_keywords(recolor, _RECOLORED)
+    module.export_html = _messages._shortened(export_html, _vog.Error, "export_html")
+    module.__all__.append("export_html")
+    _state_keywords(module.export_html, _OF_PAGES)
     scene: Any = _vog._Scene
     scene.draw = _messages._shortened(scene.draw, _vog.Error)
     picture: Any = _vog.Picture

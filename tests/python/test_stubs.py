@@ -106,12 +106,13 @@ def type_of(key):
 
 def test_keywords_of_requests_are_those_of_the_schema():
     text = wanted = STUB.read_text()
-    for call, indent in ((vog.render, 4), (vog.Picture.recolor, 8)):
-        keys = [key for key in inspect.signature(call).parameters if key in _vog._request_schema() and key != "size"]
+    for call, indent in ((vog.render, 4), (vog.Picture.recolor, 8), (vog.export_html, 4)):
+        schema = _vog._request_schema()
+        keys = [key for key, one in inspect.signature(call).parameters.items() if key in schema and key != "size" and one.default is None]
         words = ", ".join(f"{key}:~Optional[{type_of(key).replace(' ', '~')}]~=~..." for key in keys) + ","
         lines = textwrap.indent(textwrap.fill(words, 136), " " * indent).replace("~", " ") + "\n"
         wanted = re.sub(
-            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:fields|progress): [^\n]*\n)*).*?(?= *\) -> )",
+            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:fields|progress|title|description|levels|camera|steps|precise|url): [^\n]*\n)*).*?(?= *\) -> )",
             lambda found: found[1] + found[2] + lines, wanted, count=1, flags=re.S,
         )
     if os.environ.get("VOG_WRITE_STUB"):

@@ -117,7 +117,7 @@ def test_interpolated_voxels_are_smooth(volume, model):
         ("render", {"show": "volume", "scale": "symmetric"}), ("render", {"show": "column", "scale": "symmetric"}),
         ("render", {"show": "volume", "window": (0.5, 1), "scale": "log"}), ("render", {"renderer": "trace", "hits_per_slab": 8}),
         ("export_html", {"field": "density"}), ("export_html", {"range": (0, 1)}),
-        ("export_html", {"log": True}), ("export_html", {"show": "mean", "light": "head"}),
+        ("export_html", {"scale": "log"}), ("export_html", {"show": "mean", "light": "head"}),
         ("export_html", {"unit_distance": 1}), ("export_html", {"show": "column", "field": "density"}), ("export_html of folder/", {"levels": 2}),
     ],
 )  # fmt: skip

@@ -17,19 +17,13 @@ PictureRequest page_request(const PageArguments& arguments) {
 HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& command,
                          const HtmlModel& first, const std::string& input,
                          std::vector<std::string>& notes) {
-    HtmlOptions options;
+    std::vector<std::string> found;
+    HtmlOptions options =
+        page_settings(page_request(arguments), first.levels.front(), input, found);
     options.title = command.has("--title") ? arguments.title : first.name;
     options.description = arguments.description;
     options.precise = arguments.precise;
-    const PictureRequest request = page_request(arguments);
-    const TransferPoints& map = request.transfer.points;
-    // A file of values is of volume; the other quantities then have the default colours.
-    options.tf = map.at_values || map.points.color.empty()
-                     ? load_transfer_function(default_map(request.show))
-                     : load_transfer_function(arguments.words.word("tf"));
-    options.extinction = request.extinction;
     options.system_background = arguments.words.word("background") == "system";
-    options.shading = request.shading;
     // Without an option for the view, every model of the page is framed by itself; the pages of a
     // sequence share one view.
     const bool viewed = arguments.subject.has_value() || view_given(command);
@@ -42,18 +36,17 @@ HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& com
         options.quantity = *arguments.chosen;
         return options;
     }
-    std::vector<std::string> found;
-    options.quantity = page_quantity(request, first.levels.front(), input, found);
     print_notes(found);
     notes.insert(notes.end(), found.begin(), found.end());
     return options;
 }
 
 void check_page_options(const PageArguments& arguments, const GivenOptions& command) {
-    const PictureRequest request = page_request(arguments);
-    stated_quantity(request);
-    if (request.show != Show::volume && arguments.words.has("tf"))
-        load_transfer_function(arguments.words.word("tf"));
+    try {
+        (void)html_quantity(page_request(arguments));
+    } catch (const RequestError& error) {
+        throw as_option(error);
+    }
     if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
 }
 
