@@ -48,12 +48,13 @@ void add_clip(CLI::App& command, RequestWords& words, const RequestMember& box) 
     command
         .add_option_function<std::vector<std::string>>(
             "--clip",
-            [&words, &box, &plane](const std::vector<std::string>& given) {
+            [&words, of_box = box.takes,
+             of_plane = plane.takes](const std::vector<std::string>& given) {
                 for (const std::string& text : given) {
                     const auto commas = std::ranges::count(text, ',');
                     if (commas != 3 && commas != 5)
                         throw UsageError(fmt::format("--clip {}: expected a box {} or a plane {}",
-                                                     text, box.takes, plane.takes));
+                                                     text, of_box, of_plane));
                     words.given[commas == 3 ? "clip_planes" : "clip"].push_back(text);
                 }
             },
