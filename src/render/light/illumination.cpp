@@ -257,13 +257,14 @@ Illumination illumination(std::span<const Volume> volumes, std::span<const Voxel
             add_extinction(volumes[n], fields[n], transfer, lattice);
         if (processes) processes->sum(lattice.sum);
     };
-    return illumination(box, add, look, forward);
+    return illumination(box, true, add, look, forward);
 }
 
-Illumination illumination(const Box& box, const std::function<void(ExtinctionLattice&)>& add,
+Illumination illumination(const Box& box, bool of_voxels,
+                          const std::function<void(ExtinctionLattice&)>& add,
                           const VolumeLook& look, Vec3d forward) {
     if (!is_absorbed(look)) return {};
-    ExtinctionLattice lattice(box, kVoxelCells);
+    ExtinctionLattice lattice(box, of_voxels ? kVoxelCells : kModelCells);
     add(lattice);
     lattice.clip(look.clip);
     return illumination(lattice, look, forward);

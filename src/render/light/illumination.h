@@ -83,9 +83,11 @@ Illumination illumination(std::span<const Volume> volumes, std::span<const Voxel
                           const Collective* processes);
 
 /// Of data that absorb each other's light: layers of a picture.
-/// box  holds all
-/// add  adds their extinction
-Illumination illumination(const Box& box, const std::function<void(ExtinctionLattice&)>& add,
+/// box        holds all
+/// of_voxels  whether none of them is a model
+/// add        adds their extinction
+Illumination illumination(const Box& box, bool of_voxels,
+                          const std::function<void(ExtinctionLattice&)>& add,
                           const VolumeLook& look, Vec3d forward);
 
 /// Optical depths from the centres of cells out of the lattice, by lines that step from layer to layer of cells, across the axis

@@ -25,7 +25,7 @@ VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const Prep
     };
     const Vec3d forward = frame_of(picture.camera(), request.width, request.height).forward;
     const lights::Illumination reached =
-        lights::illumination(bounds, add_extinction, look, forward);
+        lights::illumination(bounds, models.empty(), add_extinction, look, forward);
     std::vector<layers::VoxelLayer> voxels;
     for (std::size_t n = 0; n < prepared.size(); ++n) {
         const PreparedLayer& layer = prepared[n];

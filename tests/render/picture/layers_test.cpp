@@ -174,6 +174,18 @@ TEST(layers, shadow_each_other) {
     EXPECT_LT(brightness(true), 0.9 * brightness(false));
 }
 
+TEST(layers, one_alone_has_the_light_of_its_own_picture) {
+    const Layer heat = layer_of(kRed, 0.9, "heat"), solid = layer_of(kGreen, 0.9);
+    const auto differ = [](const vog::Scene& scene, const Layer& layer) {
+        PictureRequest layered = request_of({layer}), own = request_of({});
+        own.field = layer.field, own.transfer = layer.transfer;
+        layered.look.studio = own.look.studio = true;
+        return largest_difference(light_of({scene}, layered), render(scene, own).sums.light);
+    };
+    EXPECT_LT(differ(blob({}, 4, 3), heat), 1e-4);
+    EXPECT_LT(differ(cube({-0.7, -0.4, -0.5}, 1, 3), solid), 1e-6);
+}
+
 TEST(layers, that_are_hidden_are_not_drawn) {
     const vog::Scene model = blob({}, 4, 3);
     Layer shown = layer_of(kRed, 0.5, "heat"), hidden = layer_of(kBlue, 0.9, "heat");
@@ -224,10 +236,11 @@ TEST(layers, of_bad_words_are_refused_in_one_line) {
             set_member(request, "layers", {words});
         });
     };
-    EXPECT_NE(refused("a.ply,map=inferno").find("'map': expected grid, band, iso, field"),
+    EXPECT_NE(refused("a.ply,map=inferno").find("'map': expected a file first, then grid, field"),
               std::string::npos);
     EXPECT_NE(refused("range=2,1").find("range 2,1: expected LO,HI"), std::string::npos);
     EXPECT_NE(refused("window=1,2,tf=gray").find("tf has no effect beside"), std::string::npos);
+    EXPECT_NE(refused("tf=gray,tf=hot").find("tf twice"), std::string::npos);
     EXPECT_NE(refusal([] {
                   (void)request_of_json(R"({"layers": [{"file": "/etc/passwd"}]})");
               }).find("'file': expected input"),

@@ -12,12 +12,16 @@ namespace {
 constexpr const char* kKeys[] = {"field",  "tf",    "range",     "scale",
                                  "window", "bands", "threshold", "unit_distance"};
 
+/// Those of a command line.
+constexpr const char* kWords =
+    "a file first, then grid, field, tf, range, scale, window, band, iso, threshold or "
+    "unit-distance, "
+    "each with = and a value";
+
 bool is_key(const std::string& key) { return std::ranges::count(kKeys, key) > 0; }
 
-/// others  further keys
-[[noreturn]] void refuse_key(const std::string& key, const char* others) {
-    throw RequestError("layers", fmt::format(" '{}': expected {}, {}", printable(key, 40), others,
-                                             fmt::join(kKeys, ", ")));
+[[noreturn]] void refuse_key(const std::string& key, const std::string& others) {
+    throw RequestError("layers", fmt::format(" '{}': expected {}", printable(key, 40), others));
 }
 
 /// A layer as a request of its own.
@@ -59,7 +63,7 @@ Layer layer_of(const Json& json) {
         else if (key == "visible")
             layer.visible = checked<bool>("layers", value, {});
         else if (!is_key(key))
-            refuse_key(key, "input, grid, visible");
+            refuse_key(key, fmt::format("input, grid, visible, {}", fmt::join(kKeys, ", ")));
         else if (!value.is_null())
             entry_of(key).values.read(key, value, request);
     }
@@ -85,7 +89,8 @@ Values layers_values() {
 
 Layer layer_of_words(const std::string& text) try {
     Layer layer;
-    std::vector<std::pair<std::string, std::string>> members;
+    using Word = std::pair<std::string, std::string>;
+    std::vector<Word> members;
     for (std::size_t at = 0, comma = 0; comma != text.npos; at = comma + 1) {
         comma = text.find(',', at);
         const std::string word = text.substr(at, comma - at);
@@ -94,14 +99,17 @@ Layer layer_of_words(const std::string& text) try {
         std::ranges::replace(key, '-', '_');
         if (key == "band" || key == "iso") key = "bands";
         if (has_value) {
-            if (!is_key(key) && key != "grid") refuse_key(key, "grid, band, iso");
+            if (!is_key(key) && key != "grid") refuse_key(key, kWords);
+            if (key != "bands" && std::ranges::count(members, key, &Word::first) > 0)
+                throw RequestError("layers",
+                                   fmt::format(" {}: {} twice", printable(text, 80), key));
             members.emplace_back(key, word.substr(word.find('=') + 1));
         } else if (!members.empty()) {
             members.back().second += "," + word;
         } else if (at == 0) {
             layer.file = word;
         } else {
-            refuse_key(word, "grid, band, iso");
+            refuse_key(word, kWords);
         }
     }
     PictureRequest request = request_of({});
