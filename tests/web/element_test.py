@@ -7,6 +7,7 @@ import os
 import pathlib
 import re
 import shutil
+import time
 import unittest
 
 from browser import HOUSE
@@ -17,6 +18,9 @@ from site_server import DROP, SiteServer
 MODULE = pathlib.Path(os.environ.get("VOG_MODULE", pathlib.Path(VOG).resolve().parents[2] / "share/vog/vog-view.js"))
 # A policy as strict as the documents' page says (docs/web_element.md), with scripts of the same origin alone.
 POLICY = "default-src 'none'; script-src 'self'; worker-src 'self'; connect-src {}; style-src 'self'; img-src data:"  # the page's own icon
+
+# As fine as the pictures that are compared.
+PACKED = ("--hierarchy", "--deflate", "--set", "rounding=0.0001", "--set", "field-rounding=0.00005")
 
 HOST = """<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>A page</title><link rel="icon" href="data:,">
 <script type="module" src="vog-view.js"></script><script src="host.js"></script>
@@ -56,7 +60,7 @@ class ElementTest(PageTest):
         vog("convert", "plume.vdb", "-o", "plume.ply", "--block", 4)
         write_flow(cls.folder / "flow.ply")
         for name in ("plume", "flow"):
-            vog("pack", f"{name}.ply", "-o", f"{name}.vogz", "--hierarchy", "--deflate", "--set", "rounding=0.0001", "--set", "field-rounding=0.00005")
+            vog("pack", f"{name}.ply", "-o", f"{name}.vogz", *PACKED)
         vog("page", "plume.ply", "-o", "site/", "--precise")
         shutil.copy(MODULE, cls.folder / "vog-view.js")
         (cls.folder / "host.js").write_text(SCRIPT)
@@ -130,6 +134,30 @@ class Pictures(ElementTest):
         self.value("view(1).set({ tf: 'gray', camera: { ...view(1).camera, up: [1, 0, 0] } })")
         self.expect_rendered("flow.ply", 40, 1)  # rims of few large Gaussians
         self.assertEqual(self.value("bytesOf(0)"), first)
+
+
+class Models(ElementTest):
+    def test_steps_in_time_share_what_the_first_one_has(self):
+        for step, density in enumerate((1, 3)):
+            write_model(self.folder / f"step-{step}.ply", [0, 0, 0, 1, 1, 1, density, 2, 0, 0, 0.5, 0.5, 0.5, 1])
+        vog("page", "step-*.ply", "-o", "steps/", "--site", "--precise")
+        self.host('<vog-view src="steps/" subframes="1"></vog-view>')
+        self.assertEqual(self.value("view().models.map(({ name }) => name)"), ["step-0", "step-1"])
+        first = self.value("view().extinction")
+        self.expect_rendered("step-0.ply", 47)
+        self.assertEqual(self.value("(view().model = 2, view().picture().then(() => [view().model, view().extinction]))"), [2, first])
+        self.expect_rendered("step-1.ply", 47)
+
+    def test_a_model_without_fields_or_gaussians(self):
+        write_model(self.folder / "none.ply", [])
+        write_model(self.folder / "one.ply", [1, 2, 3, 0.5, 1, 2, 4])
+        for name in "none", "one":
+            vog("pack", f"{name}.ply", "-o", f"{name}.vogz", *PACKED)
+        self.host('<vog-view src="one.vogz" show="volume" subframes="1"></vog-view><vog-view src="none.vogz"></vog-view>')
+        self.value("view(1).ready.then(() => true)")
+        self.assertEqual(self.value("errors().map(({ message }) => message).sort()"),
+                         ['Not in this picture: show "volume": expected T, column', "This model is empty."])
+        self.expect_rendered("one.ply", 47)
 
 
 class Documents(ElementTest):
@@ -347,6 +375,31 @@ class Security(ElementTest):
         for word in ("\nimport ", "import(", "http://", "https://", "eval(", "new Function", "innerHTML", "createObjectURL", ".style.cssText"):
             self.assertNotIn(word, text)
 
+    def test_the_first_picture_of_a_streamed_model_takes_150_kb(self):
+        vog("sample", "cloud", "large.vdb", "--size", 128)
+        vog("convert", "large.vdb", "-o", "large.ply", "--block", 1)
+        vog("pack", "large.ply", "-o", "large.vogz", "--hierarchy", "--deflate")
+        vog("page", "large.ply", "-o", "large/")
+        packed = lambda data: len(gzip.compress(data, 9))
+        # What is behind the coarsest chunk waits until that has been drawn: all of it is asked for before its first answer.
+        asked, pause_s = [], 0.4
+
+        def slow(first, body, fields):
+            asked.append((time.monotonic(), len(body)))
+            time.sleep(pause_s)
+            return body
+        for src in "large/", "large.vogz":
+            self.server.reset()
+            self.server.part = slow
+            self.host(f'<vog-view src="{src}" subframes="1"></vog-view>')
+            if src == "large/":
+                root = json.loads((self.folder / "large/manifest.json").read_text())["models"][0]["root"]
+                self.assertEqual([path for path in self.server.paths if path.startswith("/large/")][1], f"/large/chunks/{root['name']}.vogz")
+                data = packed((self.folder / "large/manifest.json").read_bytes()) + root["bytes"][0]
+            else:
+                data = asked[0][1] + sum(size for at, size in asked[1:] if at < asked[1][0] + 0.9 * pause_s)
+            self.hold(f"bytes before the first picture of {src}", packed(MODULE.read_bytes()) + data, 150_000)
+
     def test_it_works_under_a_strict_policy_and_asks_for_the_model_alone(self):
         other = self.other("*")
         self.server.head = {"Content-Security-Policy": POLICY.format(f"'self' {other.url}")}
@@ -359,12 +412,15 @@ class Security(ElementTest):
         self.assertEqual(set(other.paths), {"/plume.vogz"})
         self.assertTrue(all(url.startswith((self.server.url, other.url, "data:,")) for url in self.browser.requests), self.browser.requests)
 
-    def test_a_policy_without_workers_has_the_page_decode(self):
-        self.server.head = {"Content-Security-Policy": POLICY.format("'self'").replace("worker-src 'self'", "worker-src 'none'")}
-        self.host('<vog-view src="site/"></vog-view>')
-        self.assertGreater(self.value("view().picture().then(({ size }) => size)"), 500)
-        self.assertTrue(all("worker" in line for line in self.browser.complaints), self.browser.complaints)
-        self.browser.complaints.clear()
+    def test_policies_without_workers_have_the_page_decode(self):
+        policy = POLICY.format("'self'")
+        for other in policy.replace("worker-src 'self'", "worker-src 'none'"), f"{policy}; require-trusted-types-for 'script'":
+            self.server.head = {"Content-Security-Policy": other}
+            self.host('<vog-view src="site/"></vog-view>')
+            self.assertGreater(self.value("view().picture().then(({ size }) => size)"), 500)
+            self.assertEqual(self.value("errors()"), [])
+            self.assertTrue(all("worker" in line or "TrustedScriptURL" in line for line in self.browser.complaints), self.browser.complaints)
+            self.browser.complaints.clear()
 
     def test_a_module_of_another_origin_is_checked_by_its_digest(self):
         other = self.other("*")
