@@ -272,6 +272,10 @@ class Hands(ElementTest):
         self.value("view().set({ show: 'volume', tf: 'viridis' })")
         self.eye()
         self.until("view().shadowRoot.getElementById(canvas().getAttribute('aria-describedby')).textContent.startsWith('Volume, by value of density in viridis, ')")
+        # A ring over the picture, at 3:1 on black and on white, for those who come by keys.
+        self.browser.key("Tab")
+        self.assertEqual(self.value("(({ outlineStyle, outlineColor, outlineOffset }) => [outlineStyle, outlineColor, outlineOffset])(getComputedStyle(canvas()))"),
+                         ["solid", "rgb(59, 130, 214)", "-2px"])
         self.assertEqual(self.value("[canvas().tabIndex, canvas().getAttribute('role'), view().shadowRoot.querySelector('p').getAttribute('role')]"), [0, "img", "status"])
 
     def test_nothing_is_drawn_at_rest(self):

@@ -26,7 +26,7 @@ const style = `
 :host([hidden]) { display: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; outline: none; touch-action: pan-y; cursor: grab; user-select: none; -webkit-user-select: none; }
 canvas:active { cursor: grabbing; }
-canvas:focus-visible { box-shadow: inset 0 0 0 2px #2563a8, inset 0 0 0 4px #fff; }
+canvas:focus-visible { outline: 2px solid #3b82d6; outline-offset: -2px; }
 p { position: absolute; left: 12px; right: 12px; bottom: 12px; margin: 0 auto; padding: 6px 12px; border-radius: 8px; width: fit-content; box-sizing: border-box;
 overflow-wrap: anywhere; background: #16191d; color: #e8eaed; }
 p.light { background: #fff; color: #1c2126; box-shadow: 0 0 0 1px rgb(0 0 0 / .2); }
