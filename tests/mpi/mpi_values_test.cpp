@@ -31,6 +31,17 @@ TEST_P(mpi_values, models_by_value_are_the_same) {
     }
 }
 
+TEST_P(mpi_values, slices_of_models_are_the_same) {
+    must("sample explosion e.vdb --size 64");
+    must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
+    for (const std::string options :
+         {"--plane z", "--plane 1,2,1,0.1 --field density", "--plane x --thickness 0.1",
+          "--plane y --thickness 0.1 --field density --clip 1,0,0,0"}) {
+        SCOPED_TRACE(options);
+        EXPECT_LE(value_difference("e.ply --show slice " + options), kSamePicture);
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(ranks, mpi_values, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 

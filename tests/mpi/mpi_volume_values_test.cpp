@@ -84,6 +84,22 @@ TEST_P(mpi_volume_values, means_deviations_and_maxima_are_the_same) {
     EXPECT_LE(maximum_difference("c.vdb --eye 0.1,0.1,0.2 --look-at 0,0,0"), kSamePicture);
 }
 
+TEST_P(mpi_volume_values, slices_are_the_same) {
+    must("sample cloud c.vdb --size 64");
+    must("sample explosion h.vdb --size 64");
+    must("sample amr a.vdb --size 64");
+    const std::string heat = " --field heat=h.vdb:density", levels = "a.vdb --grid 'density_L*' ",
+                      of_levels = " --field 'd=density_L*'";
+    for (const std::string& options : std::vector<std::string>{
+             "c.vdb --plane z", "c.vdb --plane z" + heat + " --samples 2",
+             "c.vdb --plane 1,1,0,0 --thickness 0.1", "c.vdb --plane x --thickness 0.1" + heat,
+             levels + "--plane y", levels + "--plane z --thickness 0.3",
+             levels + "--plane x" + of_levels, levels + "--plane x --thickness 0.3" + of_levels}) {
+        SCOPED_TRACE(options);
+        EXPECT_LE(value_difference(options + " --show slice"), kSamePicture);
+    }
+}
+
 TEST_P(mpi_volume_values, levels_that_hide_each_other_are_the_same) {
     must("sample amr a.vdb --size 64");
     const std::string levels = "a.vdb --grid 'density_L*' ";
