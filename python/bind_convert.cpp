@@ -9,6 +9,8 @@
 #include "arrays.h"
 #include "data.h"
 #include "sampled_fields.h"
+#include "vog/cells.h"
+#include "vog/convert_cells.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
@@ -406,6 +408,35 @@ Model of_points(const Points& points, const std::string& method, Options& option
     return model;
 }
 
+Model of_cells(const Cells& given, const std::string& method, Options& options,
+               const py::object& progress, const py::object& report_dict,
+               const py::object& fields) {
+    if (method != "moments") throw Error("convert: cells go with method 'moments'");
+    if (!no_fields(fields) && !fields.is_none())
+        throw Error("convert: fields of Cells are their own, expected None, or False for none");
+    CellOptions chosen;
+    options.take_positive("budget", chosen.budget);
+    options.take_positive("error", chosen.error);
+    options.take("measure", chosen.measure);
+    options.require("measure", chosen.budget != 0, "without budget");
+    options.refuse_others("cells");
+    chosen.progress = progress_of(progress);
+    Cells bare;
+    if (no_fields(fields)) {
+        bare = given;
+        bare.fields.clear();
+        chosen.own_field = false;
+    }
+    const Cells& cells = no_fields(fields) ? bare : given;
+    CellNotes notes;
+    MomentReport report;
+    Model model = unlocked(
+        [&] { return std::make_shared<Gaussians>(convert_cells(cells, chosen, &notes, &report)); });
+    if (const std::string text = notes_text(notes, cells); !text.empty()) warn({text});
+    fill(report_dict, report, chosen.error);
+    return model;
+}
+
 Model convert(const py::object& data, const std::string& method, const py::object& fields,
               const py::object& progress, const py::object& report, const py::kwargs& given) {
     py::module_::import("vog._messages")
@@ -417,8 +448,10 @@ Model convert(const py::object& data, const std::string& method, const py::objec
     Options options(given);
     if (py::isinstance<Points>(data))
         return of_points(data.cast<const Points&>(), method, options, progress, report, fields);
+    if (py::isinstance<Cells>(data))
+        return of_cells(data.cast<const Cells&>(), method, options, progress, report, fields);
     if (!py::isinstance<Volume>(data) && !levels_of(data))
-        refuse_data(data, "convert", "a Volume, Levels, a list of Volumes or Points");
+        refuse_data(data, "convert", "a Volume, Levels, a list of Volumes, Points or Cells");
     if (method == "paper") return by_paper(data, options, progress, fields);
     return by_moments(data, options, progress, report, fields);
 }

@@ -43,6 +43,7 @@ namespace py = pybind11;
 
 void bind_volume(py::module_& m);
 void bind_points(py::module_& m);
+void bind_cells(py::module_& m);
 void bind_fields(py::module_& m);
 void bind_gaussians(py::module_& m);
 void bind_sample(py::module_& m);

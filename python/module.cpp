@@ -123,6 +123,7 @@ PYBIND11_MODULE(_vog, m) {
     bind_image(m);
     bind_volume(m);
     bind_points(m);
+    bind_cells(m);
     bind_fields(m);
     bind_gaussians(m);
     bind_sample(m);

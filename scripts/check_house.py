@@ -24,12 +24,12 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "voxeli
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
 PUBLIC_HEADERS = {
     "core": "error linear memory progress temporary_file text",
-    "data": "camera dense distributed fields gaussians image levels lod points subject value_counts volume voxel_values",
+    "data": "camera cells dense distributed fields gaussians image levels lod points subject value_counts volume voxel_values",
     "io": "exchange model_io openvdb ply scan_io site surface units vogz volume_io voxel_field",
     "shade": "exposure quantity shade value_transfer",
     "render": "clip field_maps periodic picture picture_record renderer request_schema scene volume_picture",
     "compare": "compare compare_maps vogz_fit",
-    "convert": "convert convert_fields convert_labels convert_moments convert_paper convert_points",
+    "convert": "convert convert_cells convert_fields convert_labels convert_moments convert_paper convert_points",
     "voxelize": "voxelize",
     "evaluate": "evaluate",
     "web": "export_html",

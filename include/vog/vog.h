@@ -5,6 +5,7 @@
 //   data     volume.h           sparse density volumes: leaves of 8^3 voxels and tiles
 //            voxel_values.h     the rule for values that are no density
 //            points.h           particles, and their files
+//            cells.h            meshes of cells of any shape
 //            levels.h           levels of adaptive meshes: volumes of different voxel size, one
 //                               field
 //            gaussians.h        the model: N truncated 3D Gaussians
@@ -18,6 +19,7 @@
 //            convert_moments.h  voxels to Gaussians by moments, the default
 //            convert_paper.h    voxels to Gaussians by the paper's strategies
 //            convert_points.h   particles to Gaussians
+//            convert_cells.h    cells of any shape to Gaussians
 //            lod.h              levels of detail: hierarchies, cuts by view, coarser models
 //   render   picture.h          a picture: request, defaults, renderer, numbers and colours
 //            scene.h            what there is to draw: models or voxels with their fields
@@ -45,9 +47,11 @@
 #pragma once
 
 #include "vog/camera.h"
+#include "vog/cells.h"
 #include "vog/clip.h"
 #include "vog/compare.h"
 #include "vog/convert.h"
+#include "vog/convert_cells.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_labels.h"
 #include "vog/dense.h"

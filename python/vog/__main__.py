@@ -15,7 +15,7 @@ from typing import Any, List
 
 from ._grids import Grids, density_of, write_scan
 from ._load import YT, kind_of, load, read
-from ._vog import Error, Gaussians, Levels, Volume
+from ._vog import Cells, Error, Gaussians, Levels, Volume, convert
 
 
 def _command() -> str:
@@ -53,6 +53,14 @@ class Options:
         pairs = zip(self.words, self.words[1:] + [""])
         return [after if word == option else word.split("=", 1)[1] for word, after in pairs if word == option or word.startswith(option + "=")]
 
+    def drop(self, *options: str) -> None:
+        """Empties words of options that the file has met; main() leaves them out."""
+        for n, word in enumerate(self.words):
+            if word in options:
+                self.words[n : n + 2] = ["", ""]
+            elif word.split("=", 1)[0] in options:
+                self.words[n] = ""
+
 
 def _list(path: str) -> None:
     """Prints the arrays of a file, and a command to try."""
@@ -76,16 +84,21 @@ def _written(path: str, folder: str, options: Options) -> "List[str]":
     stem = os.path.join(folder, _name(os.path.basename(os.path.normpath(path)).split(".")[0]) or "data")
     kind, place = kind_of(path)  # type: ignore[misc]
     if kind is not YT and not options.fields and not options.ones:
-        data = read(place, kind, options.grid, {})
+        data = read(place, kind, options.grid, {}, {"density": options.grid, **options.rules})
         if isinstance(data, Grids) and data.scan:
             write_scan(stem + ".nrrd", data, density_of(data.names, options.grid, path))
             return [stem + ".nrrd"]
     wanted = list(dict.fromkeys([options.grid] * (options.ones and options.grid != "") + options.fields))
     data, fields = load(path, "volume" if options.ones else options.grid, fields=wanted, **options.rules)
-    levels = [data[n] for n in range(len(data))] if isinstance(data, Levels) else [data]
-    if not isinstance(levels[0], Volume):
+    if isinstance(data, Cells):
+        # Commands know models, of which convert keeps a budget; an error is met here.
+        budget, error = next(iter(options.values("--budget")), None), next(iter(options.values("--error")), None)
+        data = convert(data, budget=int(budget) if budget else None, error=float(error) if error else None)
+        options.drop("--error", "--grid", "--field", "--measure")
+    if not isinstance(data, (Levels, Volume)):
         data.save(stem + ".ply" if isinstance(data, Gaussians) else stem + ".csv")
         return [stem + (".ply" if isinstance(data, Gaussians) else ".csv")]
+    levels = [data[n] for n in range(len(data))] if isinstance(data, Levels) else [data]
     files = []
     for n, volume in enumerate(levels):
         volume.name = _name(volume.name)
@@ -125,7 +138,7 @@ def main(words: "List[str]") -> int:
         with tempfile.TemporaryDirectory(prefix="vog-") as folder:
             options = Options(list(words))
             made = {n: _written(words[n], folder, options) for n in inputs}
-            line = [file for n, word in enumerate(options.words) for file in made.get(n, [word])]
+            line = [file for n, word in enumerate(options.words) for file in made.get(n, [word] if word else [])]
             for option in ("--grid", "--field") if inputs else ():
                 for n in range(1, len(line)):
                     if line[n - 1] == option:

@@ -75,15 +75,16 @@ def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
     return (YT, path) if extension not in own and _begins_with(path, 0, b"\x89HDF") else None
 
 
-def read(path: str, kind: Kind, wanted: str, given: "dict[str, Any]") -> Any:
+def read(path: str, kind: Kind, wanted: str, given: "dict[str, Any]", chosen: "Optional[dict[str, Any]]" = None) -> Any:
     """Grids, or data, of a file, by those of the given options that its reader takes.
 
     wanted  name of the array that decides the lattice; '': the density
+    chosen  what the call asks for, for readers that need it
     Raises vog.Error for an option that has no effect.
     """
     known = inspect.signature(kind.read).parameters
     options: "dict[str, Any]" = dict.fromkeys(known)
-    options.update({name: value for name, value in {"wanted": wanted, "at": {}, **given}.items() if name in known})
+    options.update({name: value for name, value in {"wanted": wanted, "at": {}, **(chosen or {}), **given}.items() if name in known})
     for name, value in given.items():
         if value is not None and name not in known and not (name == "level" and kind is YT):
             raise _vog.Error(f"load: {path}: {name} has no effect on {kind.what}")
@@ -125,21 +126,24 @@ def load(
     at: "Optional[At]" = None,
     voxel_size: Any = None,
     unit: "Optional[str]" = None,
+    thickness: "Optional[float]" = None,
     background: "Optional[float]" = None,
     skip_nonfinite: bool = False,
     clip_negative: bool = False,
 ) -> Any:
-    """Any file or folder that vog or a package of this Python reads, as Volume, Levels, Points or Gaussians.
+    """Any file or folder that vog or a package of this Python reads, as Volume, Levels, Cells, Points or Gaussians.
 
     path        a file of vog's own formats; .npy, .npz; HDF5 (h5py); NetCDF, GRIB and Zarr (xarray); OME-Zarr (zarr); VTK's files
                 (pyvista or vtk); data sets of simulations (yt); a series of DICOM (pydicom); openPMD (openpmd_api)
     density     name of the array, grid or field; '': the only one, else the one called density; 'volume': 1 in every voxel, for
                 fields of any sign
     fields      names of further arrays, of any sign; 'velocity' is also the vector of velocity_x, velocity_y, velocity_z. The result
-                is then a pair: data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save
+                is then a pair: data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save;
+                of Cells None, as they have theirs
     level       of simulations: one covering grid of this level; of OME-Zarr: a level of the pyramid, 0 the finest
     at          index along axes beside x, y and z: {"time": 3}; 0 elsewhere, with a warning
     voxel_size  of NumPy and HDF5, and in place of the coordinates of xarray
+    thickness   of surfaces in meshes of VTK, whose triangles and quads have no volume otherwise
     unit        of simulations: unit of the density, as in from_yt
     background  of scans and microscopy: value of empty space, as in Volume.load
     skip_nonfinite, clip_negative  as in Volume.from_numpy
@@ -153,7 +157,7 @@ def load(
     """
     path = os.fspath(path)
     rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
-    given = {"level": level, "at": at, "voxel_size": voxel_size, "unit": unit, "background": background}
+    given = {"level": level, "at": at, "voxel_size": voxel_size, "unit": unit, "thickness": thickness, "background": background}
     given = {name: value for name, value in given.items() if value is not None}
     found = kind_of(path)
     if found is None:
@@ -166,9 +170,14 @@ def load(
         return from_yt(read(place, kind, "", {n: v for n, v in given.items() if n != "unit"}), density or "density", fields=fields, level=level, unit=unit, **rules)
     first: "List[str]" = list(fields or [""])
     wanted = first[0] if density == "volume" else density
-    data = read(place, kind, wanted, {n: v for n, v in given.items() if n != "background"})
+    own = {"density": density, "fields": fields, "clip_negative": clip_negative}
+    data = read(place, kind, wanted, {n: v for n, v in given.items() if n != "background"}, own)
+    if isinstance(data, _vog.Cells):
+        return data if fields is None else (data, None)
     if not isinstance(data, Grids):
         return data if fields is None else (data, list(fields))
+    if thickness is not None:
+        raise _vog.Error(f"load: {path}: thickness has no effect on grids")
     if background is not None and not data.scan:
         raise _vog.Error(f"load: {path}: background has no effect on {kind.what}")
     return assembled(data, density, fields, background=background, **rules)

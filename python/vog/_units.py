@@ -66,8 +66,8 @@ def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
     >>> vog.units_of(vog.convert(volume, block=8))
     Units(density='g / cm3', length='kpc')
     """
-    if not isinstance(data, (_vog.Volume, _vog.Levels, _vog.Gaussians, _vog.Points)):
-        raise TypeError(f"set_units: got {described(data)}, expected a Volume, Levels, Gaussians or Points")
+    if not isinstance(data, (_vog.Volume, _vog.Levels, _vog.Gaussians, _vog.Points, _vog.Cells)):
+        raise TypeError(f"set_units: got {described(data)}, expected a Volume, Levels, Gaussians, Points or Cells")
     for name, unit in (("density", density), ("length", length)):
         if not (unit is None or isinstance(unit, str) or _package_of_unit(unit)):
             raise TypeError(f"set_units: {name}: got {described(unit)}, expected a text or a unit of astropy, pint or unyt")

@@ -15,6 +15,7 @@ __all__ = [
     "thread_count",
     "threads",
     "Camera",
+    "Cells",
     "TransferFunction",
     "DepthImage",
     "Image",
@@ -297,6 +298,25 @@ class Points:
     def box(self) -> Union[NDArray[np.float64], None]: ...
     def __len__(self) -> int: ...
 
+class Cells:
+    _units: tuple[str, str]
+    def __init__(
+        self,
+        points: ArrayLike,
+        corners: ArrayLike,
+        types: ArrayLike,
+        density: Any,
+        *,
+        ends: Union[ArrayLike, None] = ...,
+        fields: dict[str, Any] = ...,
+        thickness: float = ...,
+        name: str = ...,
+        source: str = ...,
+    ) -> None: ...
+    @property
+    def box(self) -> Union[NDArray[np.float64], None]: ...
+    def __len__(self) -> int: ...
+
 class Field:
     @property
     def name(self) -> str: ...
@@ -416,7 +436,7 @@ def sample_fire(size: int = ..., seed: int = ...) -> Tuple[Volume, Volume]: ...
 def sample_levels(size: int = ..., seed: int = ...) -> Levels: ...
 def sample_particles(size: int = ..., seed: int = ...) -> Points: ...
 def convert(
-    data: Union[_Mesh, Points],
+    data: Union[_Mesh, Points, Cells],
     *,
     method: str = ...,
     block: Union[int, None] = ...,

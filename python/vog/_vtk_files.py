@@ -1,10 +1,10 @@
-"""Files of VTK: images and grids whose points lie evenly, by pyvista or VTK."""
-from typing import Any, Dict, Optional
+"""Files of VTK, by pyvista or VTK: grids whose points lie evenly, and cells of any shape."""
+from typing import Any, Dict, List, Optional, Sequence
 
 import numpy as np
 
 from . import _vog
-from ._grids import Grids, density_of, lattice, one_grid
+from ._grids import density_of, lattice, named, one_grid
 from ._packages import need
 
 # Readers of VTK's own, by which its files are read without pyvista.
@@ -84,17 +84,69 @@ def _places(data: Any) -> "Optional[tuple[Any, Any]]":
     return (shape, matrix) if off <= _EVEN * np.linalg.norm(matrix[:3, :3], axis=0).min() else None
 
 
-def read_vtk(path: str, wanted: str) -> Grids:
-    """Arrays of the points or, where the density is theirs, of the cells of an even grid."""
+# Types of cells that vog.Cells has, and points and lines, which have no volume.
+_SIMPLE = [0, 1, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13, 14]
+
+
+def _types(mesh: Any) -> Any:
+    try:
+        types = mesh.GetCellTypes()
+    except TypeError:  # VTK before 9.6
+        types = mesh.GetCellTypesArray()
+    return np.array(need("vtkmodules.util.numpy_support", "load").vtk_to_numpy(types))
+
+
+def _mesh_of(leaves: "List[Any]") -> Any:
+    """One mesh of all blocks; polyhedra, polygons and curved cells are divided into tetrahedra and triangles."""
+    append = need("vtkmodules.vtkFiltersCore", "load").vtkAppendFilter()
+    for leaf in leaves:
+        append.AddInputData(leaf)
+    append.Update()
+    mesh = append.GetOutput()
+    if np.isin(_types(mesh), _SIMPLE).all():
+        return mesh
+    divide = need("vtkmodules.vtkFiltersGeneral", "load").vtkDataSetTriangleFilter()
+    divide.SetInputData(mesh)
+    divide.Update()
+    return divide.GetOutput()
+
+
+def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]", thickness: float, clip: bool) -> Any:
+    """Cells of all blocks, with density and fields of their points or cells."""
+    mesh = _mesh_of(leaves)
+    to_numpy = need("vtkmodules.util.numpy_support", "load").vtk_to_numpy
+    points, cells = arrays_of(mesh.GetPointData()), arrays_of(mesh.GetCellData())
+    values: "Dict[str, Any]" = {name: {"value": array, "at": "cells"} for name, array in cells.items()}
+    values.update({name: {"value": array, "at": "points"} for name, array in points.items()})
+    types = _types(mesh)
+    ghosts = mesh.GetCellData().GetArray("vtkGhostType")
+    if ghosts is not None:  # cells that another part has, too
+        types[to_numpy(ghosts) != 0] = 0
+    if density == "volume" and density not in values:
+        main: Any = {"value": np.ones(len(types)), "at": "cells"}
+    else:
+        density = density_of(list(values), density, path)
+        main = values[density]
+        main = {**main, "value": np.maximum(main["value"], 0) if clip else main["value"]}
+    return _vog.Cells(
+        to_numpy(mesh.GetPoints().GetData()), to_numpy(mesh.GetCells().GetConnectivityArray()), types, main,
+        ends=to_numpy(mesh.GetCells().GetOffsetsArray())[1:], fields={name: values[named(list(values), name, path)[0]] for name in fields},
+        thickness=thickness, name=density, source=path,
+    )  # fmt: skip
+
+
+def read_vtk(
+    path: str, wanted: str, density: str = "", fields: "Optional[Sequence[str]]" = None, thickness: "Optional[float]" = None, clip_negative: bool = False
+) -> Any:
+    """Arrays of an even grid, of its points or, where the density is theirs, of its cells; Cells of every other mesh."""
     leaves = leaves_of(dataset(path))
+    if not any(attributes.GetNumberOfArrays() for leaf in leaves for attributes in (leaf.GetPointData(), leaf.GetCellData())):
+        raise _vog.Error(f"{path}: no arrays of numbers at points or in cells, expected one at least")
     places = _places(leaves[0]) if len(leaves) == 1 else None
     if places is None:
-        kinds = ", ".join(sorted({leaf.GetClassName() for leaf in leaves})) or "no data"
-        raise _vog.Error(f"{path}: {kinds}, expected a grid with evenly spaced points (pyvista's sample() makes one of any mesh)")
+        return _cells(path, leaves, density, fields or [], thickness or 0.0, clip_negative)
     (shape, matrix), data = places, leaves[0]
     points, cells = arrays_of(data.GetPointData()), arrays_of(data.GetCellData())
-    if not points and not cells:
-        raise _vog.Error(f"{path}: no arrays of numbers, expected one at least")
     if not points or (cells and density_of([*points, *cells], wanted, path) not in points):
         # Cells lie between points; a grid of one layer of points has one layer of cells.
         matrix = matrix @ lattice(1, np.where(shape > 1, 0.5, 0))

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "convert/lod/coarsener.h"
 #include "convert/lod/field_moments.h"
 #include "convert/particles/moment_tree.h"
 #include "core/parallel.h"
@@ -126,29 +127,38 @@ void set_fields(const Gaussians& source, const PointTree& tree,
 
 }  // namespace
 
+struct Coarsener::State {
+    const Gaussians& model;
+    Lattice lattice;
+    PointTree tree;
+};
+
+Coarsener::Coarsener(const Gaussians& model)
+    : state_(std::make_unique<State>(State{model, lattice_of(model), {}})) {}
+Coarsener::~Coarsener() = default;
+
+Gaussians Coarsener::model(std::size_t budget) {
+    State& of = *state_;
+    if (of.model.size() <= budget) return of.model;
+    if (of.tree.particles.empty()) of.tree = point_tree(particles_of(of.model, of.lattice));
+    BigVector<Moments> cells;
+    BigVector<std::uint32_t> ends;
+    if (!of.tree.particles.empty()) cells = best_cut(of.tree, budget, &ends);
+    Gaussians coarse = model_of(of.model, cells, of.lattice);
+    set_fields(of.model, of.tree, ends, coarse);
+    coarse.options +=
+        fmt::format("{}coarsened to {}", of.model.options.empty() ? "" : ", ", budget);
+    return coarse;
+}
+
 std::vector<Gaussians> coarsen(const Gaussians& model, std::span<const std::size_t> budgets) {
     validate(model);
     if (std::ranges::find(budgets, std::size_t{0}) != budgets.end())
         throw Error(fmt::format("{}: a budget of 0 Gaussians, expected 1 or more",
                                 model.source.empty() ? "model" : model.source));
-    const auto meets = [&](std::size_t budget) { return model.size() <= budget; };
-    const Lattice lattice = lattice_of(model);
-    PointTree tree;
-    if (!std::ranges::all_of(budgets, meets)) tree = point_tree(particles_of(model, lattice));
+    Coarsener coarsener(model);
     std::vector<Gaussians> results;
-    for (const std::size_t budget : budgets) {
-        if (meets(budget)) {
-            results.push_back(model);
-            continue;
-        }
-        BigVector<Moments> cells;
-        BigVector<std::uint32_t> ends;
-        if (!tree.particles.empty()) cells = best_cut(tree, budget, &ends);
-        results.push_back(model_of(model, cells, lattice));
-        set_fields(model, tree, ends, results.back());
-        results.back().options +=
-            fmt::format("{}coarsened to {}", model.options.empty() ? "" : ", ", budget);
-    }
+    for (const std::size_t budget : budgets) results.push_back(coarsener.model(budget));
     return results;
 }
 

@@ -108,6 +108,19 @@ Merger::Merger(const Moments& sum_of_parts, std::span<const Moments> of)
 }
 
 template <std::size_t components>
+void set_plane(FieldMoments<components>& moments, const Mat3& precision) {
+    for (std::size_t a = 0; a < components; ++a)
+        moments.gradient[a] = vec_cast<double>(rounded(precision * moments.cross[a]));
+    each_pair<components>([&](std::size_t n, std::size_t a, std::size_t b) {
+        const double explained = dot(moments.gradient[a], moments.cross[b]);
+        moments.residual[n] = moments.covariance[n] - explained;
+        if (a == b) moments.residual[n] = std::max(moments.residual[n], 0.0);
+    });
+}
+template void set_plane<1>(ScalarMoments&, const Mat3&);
+template void set_plane<3>(VectorMoments&, const Mat3&);
+
+template <std::size_t components>
 FieldMoments<components> merged(const Merger& merger,
                                 std::span<const FieldMoments<components>> parts) {
     if (parts.size() == 1) return parts.front();
@@ -128,13 +141,7 @@ FieldMoments<components> merged(const Merger& merger,
             sum.covariance[n] += share * (parts[k].covariance[n] + off[a] * off[b]);
         });
     }
-    for (std::size_t a = 0; a < components; ++a)
-        sum.gradient[a] = vec_cast<double>(rounded(merger.precision * sum.cross[a]));
-    each_pair<components>([&](std::size_t n, std::size_t a, std::size_t b) {
-        const double explained = dot(sum.gradient[a], sum.cross[b]);
-        sum.residual[n] = sum.covariance[n] - explained;
-        if (a == b) sum.residual[n] = std::max(sum.residual[n], 0.0);
-    });
+    set_plane(sum, merger.precision);
     if constexpr (components == 1) sum.third = third_moment(merger, parts, sum);
     return sum;
 }

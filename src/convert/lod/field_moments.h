@@ -54,6 +54,11 @@ template <std::size_t components>
 FieldMoments<components> merged(const Merger& merger,
                                 std::span<const FieldMoments<components>> parts);
 
+/// Sets the plane and the residual that covariances of value and position give.
+/// precision  inverse of the covariance of position
+template <std::size_t components>
+void set_plane(FieldMoments<components>& moments, const Mat3& precision);
+
 /// Sets the field of Gaussian i.
 void set_field(ScalarField& field, std::size_t i, const ScalarMoments& moments);
 void set_field(VectorField& field, std::size_t i, const VectorMoments& moments);

@@ -1,0 +1,53 @@
+// cell_moments.h: integrals over a cell of any shape: mass, mean, covariance, and joint moments with values that are linear
+// between its corners.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "vog/cells.h"
+
+namespace vog::unstructured {
+
+/// Most values at a corner, beside density and position.
+inline constexpr std::size_t kMostValues = 3;
+
+/// A corner of a tetrahedron.
+struct Corner {
+    Vec3d place;  ///< world units, relative to the cell's centre
+    double density = 0;
+    std::array<double, kMostValues> value{};  ///< of one field, relative to the cell's mean
+};
+
+/// Corners of a cell, its faces, each with the corners in one sense around, and the centre.
+struct Shape {
+    std::array<Corner, 9> corner;  ///< the last one is the centre
+    std::size_t corners = 0;
+    std::span<const std::array<std::int8_t, 4>> faces;  ///< -1 behind three corners
+    Vec3d centre;                                       ///< world units
+    bool is_mirrored_if_negative = true;                ///< wedges come in both senses
+};
+
+/// Integrals of density times 1, position and value, and their products.
+struct CellIntegrals {
+    double volume = 0, mass = 0;
+    Vec3d first;                              ///< of position
+    std::array<double, 6> second{};           ///< xx xy xz yy yz zz
+    std::array<double, kMostValues> value{};  ///< of each component
+    std::array<Vec3d, kMostValues> cross{};   ///< of each component times position
+    std::array<double, 6> square{};           ///< of products of components; of one: the first
+    bool tangled = false;                     ///< parts of the cell are inverted, others not
+};
+
+/// The corners of cell n with its density; empty `corners`: the cell is of no known type, or a surface without thickness.
+Shape shape_of(const Cells& cells, std::size_t n);
+/// Sets the values of a field at the corners, relative to their mean, which is returned.
+std::array<double, kMostValues> set_values(Shape& shape, const Cells& cells, std::size_t n,
+                                           const CellValues& values);
+/// Integrals over the cell, about its centre; volume below 0 for a mirrored cell.
+/// components  of the values at the corners; 0: none
+CellIntegrals integrals_of(const Shape& shape, std::size_t components);
+
+}  // namespace vog::unstructured

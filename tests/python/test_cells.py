@@ -1,0 +1,155 @@
+"""Cells of any shape: from arrays, from VTK's files, and by the command."""
+import os
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+import vog
+
+VOG = os.environ.get("VOG_COMMAND")
+# Six tetrahedra of a unit cube, of corners in the order of VTK's hexahedron.
+CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+KUHN = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
+
+
+def test_a_cube_of_tetrahedra_equals_the_cube():
+    plane = CUBE @ [1, -0.5, 0.25] + 2
+    tetrahedra = vog.Cells(CUBE, np.ravel(KUHN), [10] * 6, plane, fields={"heat": CUBE @ [2, 4, -1] - 3, "wind": {"value": CUBE, "unit": "m/s"}})
+    cube = vog.Cells(CUBE, np.arange(8), [12], plane, fields={"heat": CUBE @ [2, 4, -1] - 3, "wind": CUBE})
+    assert len(tetrahedra) == 6 and repr(cube) == "<vog.Cells: 1 cells of 8 points, density, heat, wind>"
+    report = {}
+    one, other = vog.convert(tetrahedra, budget=1, report=report), vog.convert(cube, budget=1)
+    assert one.mass == pytest.approx(2.375, rel=1e-6) and report["mass_ratio"] == pytest.approx(1, abs=1e-6)
+    np.testing.assert_allclose(one.world_mean, other.world_mean, rtol=1e-6)
+    # Means of both are of the cube, in which wind is the place.
+    for name in ("heat", "wind"):
+        np.testing.assert_allclose(one.fields[name].value, other.fields[name].value, rtol=1e-5)
+    np.testing.assert_allclose(one.fields["wind"].value, one.world_mean, rtol=1e-5)
+    # Limited to the range of the data, by 1.1 %.
+    np.testing.assert_allclose(one.fields["heat"].gradient, 0.98875 * np.array([[2, 4, -1]]), rtol=1e-4)
+    assert one.fields["wind"].unit == "m/s" and one.fields["density"].is_measure
+    assert not vog.convert(cube, budget=1, fields=False).fields
+
+
+def test_mistakes_are_one_line():
+    for change, message in [
+        ({"corners": [0, 1, 2, 9]}, "a corner at point 9, expected less than 8"), ({"types": [42]}, "type 42, expected 5, 8, 9"),
+        ({"corners": [0, 1, 2]}, "expected 4"), ({"density": [1.0, 2.0]}, "expected 8 values of points or 1 of cells"),
+        ({"density": [-1.0]}, "1 negative values"), ({"corners": [0.5, 1, 2, 3]}, "whole numbers"), ({"thickness": -1}, "thickness -1"),
+    ]:  # fmt: skip
+        given = {"points": CUBE, "corners": [0, 1, 3, 4], "types": [10], "density": [1.0], **change}
+        with pytest.raises(vog.Error, match=message) as refused:
+            vog.convert(vog.Cells(**given))
+        assert "\n" not in str(refused.value)
+    with pytest.raises(vog.Error, match="does not go with cells"):
+        vog.convert(vog.Cells(CUBE, [0, 1, 3, 4], [10], [1.0]), block=2)
+    with pytest.warns(UserWarning, match="of 2 cells 1 flat left out"):
+        vog.convert(vog.Cells(CUBE, [0, 1, 3, 4, 0, 1, 1, 3], [10, 10], [1.0, 1.0]), budget=2)
+
+
+@pytest.fixture
+def curvilinear():
+    """A quarter of a ring with linear data, [points along the radius, the angle, z]."""
+    pyvista = pytest.importorskip("pyvista", reason="needs pyvista (pip install pyvista)")
+    r, a, z = np.meshgrid(np.linspace(1, 2, 9) ** 1.5, np.linspace(0, np.pi / 2, 17), np.linspace(0, 1, 5), indexing="ij")
+    grid = pyvista.StructuredGrid(r * np.cos(a), r * np.sin(a), z)
+    grid["density"] = 5 + grid.points @ [1, 1, -1]
+    grid["heat"] = grid.points @ [2.0, 0, 3]
+    return grid
+
+
+def expected_mass(grid):
+    """Integral of 5 + x + y - z over the prisms of the ring's polygon, by the moments of trapezoids."""
+    edges = np.linspace(0, np.pi / 2, 17)
+    total = 0.0
+    for low, high in zip(edges, edges[1:]):
+        for radius, sign in ((2**1.5, 1), (1.0, -1)):
+            triangle = np.array([[0, 0], [radius * np.cos(low), radius * np.sin(low)], [radius * np.cos(high), radius * np.sin(high)]])
+            area = 0.5 * radius**2 * np.sin(high - low)
+            total += sign * area * (5 + triangle.mean(axis=0).sum() - 0.5)
+    return total
+
+
+def test_curvilinear_grids_with_linear_data_equal_the_closed_form(tmp_path, curvilinear):
+    curvilinear.save(tmp_path / "ring.vts")
+    cells, fields = vog.load(tmp_path / "ring.vts", fields=["heat"])
+    assert len(cells) == 8 * 16 * 4 and fields is None
+    model = vog.convert(cells, budget=1, fields=fields)
+    assert model.mass == pytest.approx(expected_mass(curvilinear), rel=1e-6)
+    # Of one Gaussian the plane is limited to the range of the data.
+    gradient = model.fields["heat"].gradient[0]
+    np.testing.assert_allclose(gradient / gradient[2], [2 / 3, 0, 1], atol=1e-5)
+    assert 2.5 < gradient[2] <= 3
+    whole = vog.convert(cells, budget=10000)
+    assert len(whole) == len(cells) and whole.mass == pytest.approx(model.mass, rel=1e-6)
+    np.testing.assert_allclose(whole.fields["heat"].value, whole.world_mean @ [2, 0, 3], rtol=1e-4, atol=1e-4)
+
+
+def test_other_meshes_have_the_same_mass(tmp_path, curvilinear):
+    mass = vog.convert(_cells_of(tmp_path, curvilinear, "a.vts"), budget=1).mass
+    import pyvista
+
+    others = {"tetrahedra.vtu": curvilinear.triangulate(), "curved.vtu": _quadratic(curvilinear), "block.vtm": pyvista.MultiBlock([
+        curvilinear.extract_subset([0, 8, 0, 8, 0, 4]), curvilinear.extract_subset([0, 8, 8, 16, 0, 4])])}  # fmt: skip
+    for name, mesh in others.items():
+        assert vog.convert(_cells_of(tmp_path, mesh, name), budget=1).mass == pytest.approx(mass, rel=1e-5), name
+    rectilinear = pyvista.RectilinearGrid(np.array([0.0, 1, 3]), np.array([0.0, 1]), np.array([0.0, 2, 3, 7]))
+    rectilinear.cell_data["rho"] = np.arange(1.0, 7)
+    cells = _cells_of(tmp_path, rectilinear, "r.vtr")
+    volumes = np.outer([2, 1, 4], [1, 2]).ravel()
+    assert vog.convert(cells, budget=6).mass == pytest.approx(volumes @ np.arange(1.0, 7), rel=1e-6)
+    surface = rectilinear.extract_surface()
+    surface = surface.cast_to_unstructured_grid()
+    surface.cell_data["rho"] = np.ones(surface.n_cells)
+    surface.save(tmp_path / "s.vtu")
+    shell = vog.load(tmp_path / "s.vtu", "rho", thickness=0.01)
+    assert vog.convert(shell, budget=100).mass == pytest.approx(0.01 * surface.area, rel=1e-5)
+
+
+def _cells_of(folder, mesh, name):
+    mesh.save(folder / name)
+    return vog.load(folder / name)
+
+
+def _quadratic(grid):
+    """The same cells as polyhedra, which are divided."""
+    import pyvista
+
+    mesh = grid.cast_to_unstructured_grid()
+    stream = []
+    faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    for corners in mesh.cell_connectivity.reshape(-1, 8):
+        cell = [6] + [number for face in faces for number in (4, *corners[face])]
+        stream += [len(cell), *cell]
+    made = pyvista.UnstructuredGrid(np.array(stream), np.full(mesh.n_cells, 42, np.uint8), mesh.points)
+    for name in mesh.point_data:
+        made.point_data[name] = mesh.point_data[name]
+    return made
+
+
+def test_files_of_pyvista(tmp_path):
+    pyvista = pytest.importorskip("pyvista", reason="needs pyvista (pip install pyvista)")
+    cells = vog.load(os.path.join(os.path.dirname(pyvista.__file__), "examples", "hexbeam.vtk"), "sample_point_scalars")
+    assert len(cells) == 40
+    box = pyvista.examples.load_hexbeam().bounds
+    np.testing.assert_allclose(cells.box.T.ravel(), box)
+
+
+@pytest.mark.skipif(not VOG, reason="VOG_COMMAND names no command")
+def test_commands_take_meshes(tmp_path, curvilinear):
+    curvilinear.save(tmp_path / "ring.vts")
+    environment = {**os.environ, "PATH": os.path.dirname(VOG) + os.pathsep + os.environ["PATH"]}
+
+    def run(*words):
+        done = subprocess.run([sys.executable, "-m", "vog", *words], cwd=tmp_path, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+    run("convert", "ring.vts", "--field", "heat", "--budget", "50", "-o", "ring.ply")
+    model = vog.Gaussians.load(tmp_path / "ring.ply")
+    assert len(model) <= 50 and model.mass == pytest.approx(expected_mass(curvilinear), rel=1e-5) and "heat" in model.fields
+    run("render", "ring.vts", "-o", "ring.png", "--size", "32")
+    run("convert", "ring.vts", "--error", "0.1", "-o", "few.ply")
+    assert 0 < len(vog.Gaussians.load(tmp_path / "few.ply")) < 512
