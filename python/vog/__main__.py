@@ -15,6 +15,7 @@ from typing import Any, List
 
 from ._grids import Grids, density_of, write_scan
 from ._load import YT, kind_of, load, read
+from ._vtk_files import arrays_of, dataset, leaves_of, read_vtk
 from ._vog import Cells, Error, Gaussians, Levels, Volume, convert
 
 
@@ -65,13 +66,20 @@ class Options:
 def _list(path: str) -> None:
     """Prints the arrays of a file, and a command to try."""
     kind, place = kind_of(path)  # type: ignore[misc]
-    data = read(place, kind, "", {})
+    data = leaves_of(dataset(place)) if kind.read is read_vtk else read(place, kind, "", {})
     print(f"{path}: {kind.what}")
-    if isinstance(data, Grids):
+    names: "List[str]" = []
+    if isinstance(data, list):  # blocks of a mesh
+        for leaf in data:
+            for what, values in (("points", leaf.GetPointData()), ("cells", leaf.GetCellData())):
+                here = [name for name in arrays_of(values) if name not in names]
+                print(*(f"  {name}  at {what}\n" for name in here), sep="", end="")
+                names += here
+    elif isinstance(data, Grids):
         for name in data.names:
             unit = data.unit(name)
             print(f"  {name}" + (f"  {unit}" if unit else ""))
-        names = data.names
+        names = list(data.names)
     else:
         names = list(dict.fromkeys(name[1] for name in getattr(data, "field_list", ()) if name[0] not in ("io", "all")))
         print(f"  {', '.join(names)}" if names else f"  {data!r}")

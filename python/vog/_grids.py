@@ -67,6 +67,8 @@ def density_of(names: "Sequence[Any]", name: Any, source: str) -> Any:
     for usual in ("density", "Density", "rho", "dens"):
         if usual in names:
             return usual
+    if not names:
+        raise _vog.Error(f"{source}: no arrays of numbers, expected one at least")
     raise _vog.Error(f"{source}: several arrays, none called density, expected the name of one: {listed(names)}")
 
 

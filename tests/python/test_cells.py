@@ -146,7 +146,9 @@ def test_commands_take_meshes(tmp_path, curvilinear):
     def run(*words):
         done = subprocess.run([sys.executable, "-m", "vog", *words], cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
+        return done.stdout
 
+    assert "density  at points\n  heat  at points\n" in run("ring.vts")
     run("convert", "ring.vts", "--field", "heat", "--budget", "50", "-o", "ring.ply")
     model = vog.Gaussians.load(tmp_path / "ring.ply")
     assert len(model) <= 50 and model.mass == pytest.approx(expected_mass(curvilinear), rel=1e-5) and "heat" in model.fields
