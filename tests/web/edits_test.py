@@ -101,5 +101,25 @@ class Edits(QuantityTest):
             self.assertNotEqual(picture, before)
 
 
+class Motion(QuantityTest):
+    def test_slow_slabs_have_half_the_resolution_while_they_move(self):
+        self.before_pages("""globalThis.widths = [];
+            const allocate = WebGL2RenderingContext.prototype.texImage2D;
+            WebGL2RenderingContext.prototype.texImage2D = function (...list) { widths.push(list[3]); return allocate.apply(this, list); };""")
+        self.start("model.html")
+        self.change(show="volume", map="inferno")
+        self.assertNotIn(self.size[0] // 2, self.value("widths"))
+        # A frame here takes longer than 50 ms; the camera moves on until the next one has been drawn, too.
+        self.value("""new Promise((done) => {
+            const move = () => {
+                vog.move({ ...vog.state.camera, eye: vog.state.camera.eye.map((v) => 1.001 * v) });
+                if (widths.includes(%d)) done(); else setTimeout(move, 20);
+            };
+            move();
+        })""" % (self.size[0] // 2))
+        self.browser.settle()
+        self.expect_page_is("model.ply", "--show", "volume", "--tf", "inferno")
+
+
 if __name__ == "__main__":
     run()

@@ -13,6 +13,7 @@ import { attachPointers } from '../input.js';
 
 const restMs = 200;       // time without motion or edits after which the picture counts as at rest
 const slowMs = 50;        // frames that take longer have fewer pixels during edits, where not all their sums have room
+const halfMs = 6;         // slabs have half the resolution in motion until frames take less: whole ones take up to four times as long, half of slowMs
 const patienceMs = 100;   // no further sub-frames after one that took longer
 
 const rangeOf = ({ reference, scale, isMeasure, background }) => ({ reference, unit: scale, isMeasure, background });
@@ -27,7 +28,7 @@ export class Viewer {
    */
   constructor(canvas, { page, shaders, decoder, Models, panel, measures }, tell) {
     Object.assign(this, { canvas, page, shaders, decoder, measures, tell, state: firstState(page, panel), renderer: null, slabs: null, half: false, lost: false });
-    Object.assign(this, { automatic: null, drawn: null, count: 0, loads: 0, moving: 0, editing: 0, edited: false, coarse: false });
+    Object.assign(this, { automatic: null, drawn: null, count: 0, loads: 0, moving: 0, editing: 0, edited: false, coarse: false, inMotion: false, isHalved: false });
     Object.assign(this, { frame: 0, inFlight: false, frameMs: 0, stale: false, waiting: [], ended: new AbortController(), probe: new Probe() });
     this.authored = this.state.camera;
     this.source = new Models(page, decoder, {
@@ -145,7 +146,9 @@ export class Viewer {
   drawNow() {
     const { state, renderer, canvas } = this, there = this.source.now(this.busy);
     const kept = this.coarse && state.show === 'volume' && this.slabs?.shareKept({ light: state.light, slabs: this.slabCount }, canvas.width * canvas.height);
-    const size = [canvas.width, canvas.height].map((n) => Math.max(1, Math.floor(Math.sqrt(kept || 1) * n))), now = sumsOf(state, there.key, size, this.slabCount);
+    this.inMotion = Boolean(this.moving);
+    const share = Math.sqrt(kept || 1) * (this.inMotion && this.isHalved && inSlabs(state.show) ? 0.5 : 1);
+    const size = [canvas.width, canvas.height].map((n) => Math.max(1, Math.floor(share * n))), now = sumsOf(state, there.key, size, this.slabCount);
     this.count = there.count;
     this.measures?.measureShown(this, there.parts);
     renderer.choose(now.of, this.finish);
@@ -189,6 +192,7 @@ export class Viewer {
       this.inFlight = false;
       if (!this.renderer) return;
       this.frameMs = performance.now() - start;
+      if (this.inMotion) this.isHalved = this.frameMs > (this.isHalved ? halfMs : slowMs);
       this.tell.took(this.frameMs);
       this.source.frameTook(this.frameMs, this.page.site ? this.busy : Boolean(this.moving));
       this.afterFrame();
@@ -362,7 +366,11 @@ export class Viewer {
     return parts && this.probe.probe(parts, this.model, ray, { transfer: this.transfer, source: rangeOf(this.model.fields[this.state.field]), clip: this.clip });
   }
   /** Sums of a pixel; null: none. */
-  sums(pixel) { return this.ready && this.drawn ? this.renderer.sumsAt(...pixel) : null; }
+  sums(pixel) {
+    if (!this.ready || !this.drawn) return null;
+    const { width } = this.renderer;  // less than the canvas's in motion
+    return this.renderer.sumsAt(...pixel.map((v) => Math.floor((v * width) / this.canvas.width)));
+  }
 
   // --- Events of the canvas. ---
 
