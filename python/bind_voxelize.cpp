@@ -111,7 +111,7 @@ value   in the unit of the volume, above 0; of scans above their background
 Returns (points, triangles): float64 [P, 3], world units, and uint32 [N, 3], counter-clockwise from outside.
 
 >>> points, triangles = vog.isosurface(vog.sample_cloud(64), 0.2)
->>> triangles.max() < len(points)
+>>> bool(triangles.max() < len(points))
 True)");
 }
 

@@ -57,7 +57,7 @@ class Light(NamedTuple):
 class Layer:
     """One of several fields in a volume picture: vog.render([vog.Layer(gas, "density", tf="blues"), vog.Layer(stars, tf="white")]).
 
-    data      Gaussians, a Volume, Levels, a list of Volumes, or Points
+    data      Gaussians, a Volume, Levels, or a list of Volumes
     field     its scalar field; None: the density
     fields    of voxels: the field at them, {'temperature': array}, as convert() takes it
     visible   whether it is drawn
@@ -203,7 +203,7 @@ def render(
     >>> np.asarray(head.image).shape
     (64, 64, 3)
     >>> cloud = vog.render(volume, size=64, show="volume", tf="white", light="studio")
-    >>> np.asarray(cloud.image).mean() < np.asarray(vog.render(volume, size=64, show="volume", tf="white").image).mean()
+    >>> bool(np.asarray(cloud.image).mean() < np.asarray(vog.render(volume, size=64, show="volume", tf="white").image).mean())
     True
     """
     if fields is not None and (request.get("show") in (None, "T", "column") or not request.get("field")):

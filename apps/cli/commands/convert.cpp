@@ -212,6 +212,8 @@ nlohmann::ordered_json convert_one(ConvertArguments arguments, const GivenOption
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
+    if (command.has("--labels") && arguments.labels.empty())
+        throw UsageError("--labels: is empty, expected FILE, FILE:GRID or GRID");
     if (!arguments.labels.empty() && ranks.convert_volumes)
         throw UsageError("--labels: volumes are divided by one process, expected vog convert");
     if (ranks.convert_volumes)

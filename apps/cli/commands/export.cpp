@@ -11,6 +11,7 @@
 #include "files/sequence.h"
 #include "models/model_inputs.h"
 #include "options/option_effects.h"
+#include "options/parser/validators.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
 #include "vog/periodic.h"
@@ -153,8 +154,10 @@ Json write_model(Gaussians model, const ExportArguments& arguments, Stages& stag
 Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double voxel_size) {
     if (inputs.kind() == FileKind::volume) {
         LoadedVolumes set = load_volumes(models.inputs, models.volume);
-        print_notes(set.notes);
-        if (set.volumes.size() == 1 && set.masks.empty()) return std::move(set.volumes.front());
+        if (set.volumes.size() == 1 && set.masks.empty()) {
+            print_notes(set.notes);
+            return std::move(set.volumes.front());
+        }
     }
     const Gaussians model = inputs.sum();
     const Box box = view_box(model);
@@ -249,7 +252,7 @@ void add_export(CLI::App& app) {
         ->add_option("--voxel-size", arguments->voxel_size,
                      "Edge of the voxels that a model's surface is found in, world units; default: "
                      "a 256th of its box's longest edge")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     command
         ->add_option("--units", arguments->units,
                      "Coordinates of splats: box, the model's box centred at 0 with a longest edge "

@@ -58,7 +58,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
         "--values-out", arguments.values_output,
         "File of the shown quantity as float32 numbers, height x width, rows from the "
         "top: .npy or .exr; of a field the .exr has the channels column, mean and "
-        "deviation. A folder where -o is one: .npy files");
+        "deviation; of volume it is the opacity. A folder where -o is one: .npy files");
     add_drawing_options(command, arguments.drawing);
     add_request_option(command, arguments);
     add_view_options(command, arguments.view);

@@ -7,6 +7,7 @@
 
 #include "conversion/volume_fields.h"
 #include "vog/convert_labels.h"
+#include "vog/error.h"
 
 namespace vog::cli {
 
@@ -26,8 +27,13 @@ std::vector<double> divide_by_labels(ConvertArguments& arguments, LoadedVolumes&
         read_volume_fields({{text}, arguments.volume.grid, arguments.inputs}, set.volumes, notes);
     if (read.front().front().is_vector())
         throw Error(fmt::format("--labels {}: a vector field, expected whole numbers", labels));
-    std::vector<LabelledVolume> parts =
-        vog::divide_by_labels(set.volumes.front(), read.front().front());
+    std::vector<LabelledVolume> parts = [&] {
+        try {
+            return vog::divide_by_labels(set.volumes.front(), read.front().front());
+        } catch (const Error& error) {
+            throw Error(fmt::format("{}: {}", labels, error.what()));
+        }
+    }();
     set.volumes.clear();
     set.overlap = Overlap::add;
     std::vector<double> shares;

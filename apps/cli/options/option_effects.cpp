@@ -114,7 +114,6 @@ const std::vector<Row> kRows = {
     {"view", "--steps", "input", "models compact-models"},
     {"view", "--headless", "--script", "*"},
     {"render", "--depth-out", "show", "T column", "--values-out FILE.exr"},
-    {"render", "--values-out", "show", "T column mean deviation maximum slice"},
     {"render", "--range --scale --set.least-column", "output", "picture film"},
     {"render", "--color-bar --axes --scale-bar --title --tf --background --blend", "output",
      "picture film"},

@@ -240,12 +240,16 @@ SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& reque
         DrawingArguments own = arguments;
         own.inputs = expanded({arguments.layer_inputs[layer.input]});
         if (!layer.grid.empty()) own.volume.grid = layer.grid;
+        const FileKind kind = common_kind(own.inputs, own.volume.grid);
+        if (!layer.grid.empty() && kind != FileKind::volume)
+            throw UsageError(fmt::format("--layer grid={}: {} holds no grids, expected a volume",
+                                         layer.grid, own.inputs.front()));
         PictureRequest one = request;
         one.layers.clear();
         one.field = layer.field;
-        one.renderer = renderer_of({}, own, common_kind(own.inputs, own.volume.grid));
+        one.renderer = renderer_of({}, own, kind);
         SceneInputs inputs = load_scene(own, one, ranks);
-        if (!inputs.field.empty()) layer.field = inputs.field;
+        if (!layer.field.empty() && !inputs.field.empty()) layer.field = inputs.field;
         scene = std::move(inputs.scene);
         all.gaussians += inputs.gaussians, all.active_voxels += inputs.active_voxels;
         all.primitives_text +=

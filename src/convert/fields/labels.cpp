@@ -6,7 +6,6 @@
 
 #include "vog/convert_labels.h"
 #include "vog/error.h"
-#include "vog/text.h"
 
 namespace vog {
 
@@ -15,19 +14,18 @@ namespace {
 /// Volumes by label, each with the volume's name, source and place.
 class Parts {
   public:
-    Parts(const Volume& whole, const VoxelField& labels) : whole_(whole), labels_(labels) {}
+    explicit Parts(const Volume& whole) : whole_(whole) {}
     /// throws  vog::Error for a value that is no label
     Volume& of(float value) {
         if (!(std::abs(value) < 0x1p24f) || value != std::floor(value))
-            throw Error(
-                fmt::format("labels '{}': value {}, expected whole numbers on the volume's lattice",
-                            printable(labels_.name), value));
+            throw Error(fmt::format(
+                "labels: value {}, expected whole numbers up to 2^24 on the volume's lattice",
+                value));
         const auto label = static_cast<std::int64_t>(value);
         const auto found = parts_.find(label);
         if (found != parts_.end()) return found->second;
         if (parts_.size() == kMostLabels)
-            throw Error(fmt::format("labels '{}': more than {} labels", printable(labels_.name),
-                                    kMostLabels));
+            throw Error(fmt::format("labels: more than {} of them", kMostLabels));
         Volume part = whole_;
         part.leaves.clear(), part.tiles.clear();
         return parts_.emplace(label, std::move(part)).first->second;
@@ -40,14 +38,13 @@ class Parts {
 
   private:
     const Volume& whole_;
-    const VoxelField& labels_;
     std::map<std::int64_t, Volume> parts_;
 };
 
 }  // namespace
 
 std::vector<LabelledVolume> divide_by_labels(const Volume& volume, const VoxelField& labels) {
-    Parts parts(volume, labels);
+    Parts parts(volume);
     const VoxelValues& values = labels.component.front();
     // The volume's own values: without a copy.
     const bool own = values.leaf.empty() && values.tile.empty();

@@ -212,7 +212,7 @@ std::string coverage_note(const FieldCoverage& coverage) {
     const double share = massive ? 1 - coverage.covered_mass / coverage.mass
                                  : 1 - coverage.covered_voxels / coverage.voxels;
     if (share < kLeastShare) return {};
-    return fmt::format("{}: inactive at {:.2g} % of the {} of {}, where its background counts",
+    return fmt::format("{}: inactive at {:.3g} % of the {} of {}, where its background counts",
                        coverage.grid, 100 * share, massive ? "mass" : "voxels", coverage.volume);
 }
 

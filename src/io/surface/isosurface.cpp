@@ -9,6 +9,7 @@
 #include "vog/error.h"
 #include "vog/openvdb.h"
 #include "vog/surface.h"
+#include "vog/voxel_field.h"
 
 namespace vog {
 
@@ -16,6 +17,11 @@ Surface isosurface(const Volume& volume, double value) {
     if (!(value > volume.background) || !std::isfinite(value))
         throw Error(fmt::format("isosurface: value {}, expected a number above {}", value,
                                 volume.background));
+    double in_tiles = 0;  // which are divided
+    for (const Tile& tile : volume.tiles) in_tiles += std::pow(double(tile.edge), 3);
+    if (in_tiles > double(kMaxDividedVoxels))
+        throw Error(fmt::format("isosurface: {:.2g} voxels in tiles, expected at most {:.2g}",
+                                in_tiles, double(kMaxDividedVoxels)));
     const openvdb::FloatGrid::Ptr grid = grid_from_volume(volume);
     // Edges are looked for at active voxels: their neighbours outside have the value 0.
     openvdb::tools::dilateActiveValues(grid->tree(), 1);

@@ -1,7 +1,9 @@
 // surface_files.cpp: triangles as STL, PLY and OBJ.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <iterator>
 
@@ -20,6 +22,22 @@ void put(std::ofstream& out, const Value& value) {
     out.write(reinterpret_cast<const char*>(&value), sizeof value);
 }
 void put_point(std::ofstream& out, Vec3d p) { put(out, vec_cast<float>(p)); }
+
+/// throws  vog::Error where 32-bit floats are too coarse for the triangles
+void require_floats(const std::filesystem::path& file, const Surface& surface) {
+    double largest = 0, edges = 0;
+    for (const Vec3d& p : surface.point)
+        largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    for (const auto& t : surface.triangle)
+        edges += length(surface.point[t[1]] - surface.point[t[0]]);
+    const double mean = edges / std::max<double>(1, static_cast<double>(surface.triangle.size()));
+    const double step = largest * 0x1p-23;
+    if (step > 0.01 * mean)
+        throw Error(
+            fmt::format("{}: points lie {:.2g} from 0, where 32-bit floats are {:.2g} "
+                        "apart; .obj keeps their digits",
+                        file.string(), largest, step));
+}
 
 void write_stl(std::ofstream& out, const Surface& surface) {
     std::array<char, 80> head{};
@@ -47,8 +65,7 @@ void write_ply(std::ofstream& out, const Surface& surface) {
 
 void write_obj(std::ofstream& out, const Surface& surface) {
     const std::ostreambuf_iterator<char> to(out);
-    for (const Vec3d p : surface.point)
-        fmt::format_to(to, "v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+    for (const Vec3d p : surface.point) fmt::format_to(to, "v {} {} {}\n", p.x, p.y, p.z);
     for (const auto& t : surface.triangle)
         fmt::format_to(to, "f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
 }
@@ -63,6 +80,7 @@ void write_surface(const std::filesystem::path& file, const Surface& surface) {
         : extension == ".obj"
             ? write_obj
             : throw Error(fmt::format("{}: expected .stl, .ply or .obj", file.string()));
+    if (extension != ".obj") require_floats(file, surface);
     write_file(file, [&](std::ofstream& out) { write(out, surface); });
 }
 

@@ -9,7 +9,7 @@ namespace vog::pictures {
 
 VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const PreparedLayer> prepared,
                             std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
-                            const Progress& progress) {
+                            LayersLight& light, const Progress& progress) {
     const PictureRequest& request = picture.request;
     const VolumeLook look = look_of(picture);
     std::vector<SlabRenderer*> models;
@@ -24,8 +24,19 @@ VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const Prep
         for (const SlabRenderer* model : models) model->add_extinction(lattice);
     };
     const Vec3d forward = frame_of(picture.camera(), request.width, request.height).forward;
-    const lights::Illumination reached =
-        lights::illumination(bounds, models.empty(), add_extinction, look, forward);
+    const Vec3d towards = look.towards_light == Vec3d{} ? -forward : look.towards_light;
+    std::vector<ValueTransfer> transfers;
+    std::vector<const void*> data;
+    for (std::size_t n = 0; n < prepared.size(); ++n) {
+        const PreparedLayer& layer = prepared[n];
+        transfers.push_back(of_layers[n]->chosen.transfer);
+        data.push_back(layer.model ? static_cast<const void*>(layer.model) : layer.volumes.data());
+    }
+    if (light.data != data || light.transfers != transfers || light.look != look ||
+        light.towards != towards)
+        light = {std::move(data), std::move(transfers), look, towards,
+                 lights::illumination(bounds, models.empty(), add_extinction, look, forward)};
+    const lights::Illumination& reached = light.reached;
     std::vector<layers::VoxelLayer> voxels;
     for (std::size_t n = 0; n < prepared.size(); ++n) {
         const PreparedLayer& layer = prepared[n];

@@ -43,6 +43,7 @@ struct PictureRenderer::State {
     std::map<std::pair<Renderer, Prepared>, std::unique_ptr<SourceRenderer>> by{};
     std::vector<std::unique_ptr<SourceRenderer>> of_layers{};  ///< [Scene::layers]
     std::optional<Prepared> layers_prepared{};                 ///< options of theirs
+    LayersLight light{};
     DrawReport report{};
 
     bool is_empty() const { return !scene.has_voxels() && scene.model().model->size() == 0; }
@@ -85,6 +86,7 @@ struct PictureRenderer::State {
         if (layers_prepared != prepared_for(options)) {
             of_layers.clear();
             of_layers.resize(scene.layers.size());
+            light = {};
             layers_prepared = prepared_for(options);
         }
         std::vector<PreparedLayer> prepared;
@@ -102,7 +104,7 @@ struct PictureRenderer::State {
             bounds.include(layer.has_voxels() ? layer.subject.box : view_box(*layer.model().model));
         }
         sums.width = picture.request.width, sums.height = picture.request.height;
-        sums.light = layered_picture(picture, prepared, resolved, bounds, progress).pixel;
+        sums.light = layered_picture(picture, prepared, resolved, bounds, light, progress).pixel;
     }
 
     void draw_joint(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {

@@ -144,7 +144,7 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         if (!layer.visible) continue;
         const Scene& data = scene.layers[n];
         own = resolve(request_of(layer, request, data.has_voxels()), data);
-        layer.field = own.field.field;
+        if (!layer.field.empty()) layer.field = own.field.field;
         layer.transfer = own.request.transfer, layer.fit = own.request.fit;
         if (names.empty()) picture.field = own.field, picture.chosen = own.chosen;
         names += (names.empty() ? "" : ", ") + field_label(own.field);

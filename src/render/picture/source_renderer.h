@@ -9,8 +9,8 @@
 #include "render/by_value/volume_image.h"
 #include "render/gpu/sums/gpu_sums.h"
 #include "render/reference/reference.h"
-#include "render/splat/volume/volume_splat.h"
 #include "render/slice/slice.h"
+#include "render/splat/volume/volume_splat.h"
 #include "vog/picture.h"
 
 namespace vog::pictures {
@@ -122,13 +122,22 @@ std::unique_ptr<SourceRenderer> reference_pictures(std::vector<VoxelSource> sour
                                                    const Collective* processes);
 std::unique_ptr<SourceRenderer> gpu_voxel_pictures(const VoxelSource& source);
 
+/// Light that reaches layers, kept while neither these nor the light change.
+struct LayersLight {
+    std::vector<const void*> data{};  ///< models, or volumes
+    std::vector<ValueTransfer> transfers{};
+    VolumeLook look{};
+    Vec3d towards{};
+    lights::Illumination reached{};
+};
+
 /// The volume picture of several layers.
 /// picture    its request, clip included
 /// of_layers  resolved, each of its data
 /// bounds     box of all, world units
 VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const PreparedLayer> prepared,
                             std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
-                            const Progress& progress);
+                            LayersLight& light, const Progress& progress);
 /// Options of a slice, which are those of the request.
 SliceOptions slice_options(const ResolvedPicture& picture, const Progress& progress);
 /// Moves the shown numbers of a slice to Sums::slice.

@@ -398,7 +398,8 @@ TEST(picture_request, refusals_say_what_would_work) {
     request.options.clip.box = Box{{0, 0, 0}, {1, -1, 1}};
     EXPECT_NE(refused(request).find("expected the first below the second"), std::string::npos);
     EXPECT_EQ(refusal([] { (void)show_named("light"); }),
-              "show 'light', expected 'T', 'column', 'mean', 'deviation', 'volume' or 'maximum'");
+              "show 'light', expected 'T', 'column', 'mean', 'deviation', 'volume', 'maximum' or "
+              "'slice'");
 }
 
 TEST(picture_renderer, draws_from_many_cameras_with_one_preparation) {

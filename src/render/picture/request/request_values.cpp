@@ -188,6 +188,11 @@ SlicePlane plane_of(const std::string& key, const Json& value) {
         "{} with or without a position, as in z=0.5, or NX,NY,NZ,D with a normal that is not 0",
         fmt::join(slice_axes(), ", "));
     SlicePlane plane;
+    if (value.is_string() && value.get<std::string>().find(',') != std::string::npos) {
+        const Json numbers = Json::parse("[" + value.get<std::string>() + "]", nullptr, false);
+        if (!numbers.is_discarded()) return plane_of(key, numbers);
+        refuse(key, value, expected);
+    }
     if (value.is_string()) {
         const std::string text = value;
         const std::size_t equals = std::min(text.find('='), text.size());
