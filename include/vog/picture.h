@@ -185,10 +185,16 @@ struct Layer {
     ScaleFit fit = ScaleFit::automatic;
 };
 
-/// Layers of the channels of an image, in colours that microscopes use: grids "c0", "c1", ..., or "red", "green" and "blue".
-/// grids    names of all grids of the file
+/// A grid of a file.
+struct Channel {
+    std::string grid;
+    double most = 1;  ///< largest value; 0: there is nothing to see
+};
+/// Layers of the channels of an image, in colours that microscopes use: grids "c0", "c1", ..., or "red", "green" and "blue", which have
+/// one range. Channels without values above 0 are left out.
+/// grids    all grids of the file
 /// returns  none for other names, or a single one
-std::vector<Layer> layers_of_channels(std::span<const std::string> grids);
+std::vector<Layer> layers_of_channels(std::span<const Channel> grids);
 
 /// Marks of a picture for readers of papers.
 struct Marks {

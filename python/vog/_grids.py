@@ -61,7 +61,10 @@ def listed(names: "Sequence[Any]") -> str:
 def density_of(names: "Sequence[Any]", name: Any, source: str) -> Any:
     """The array that is the density: the one of this name; '': the only one, or one called density or rho."""
     if name:
-        return named(names, name, source)[0]
+        parts = named(names, name, source)
+        if len(parts) > 1:
+            raise _vog.Error(f"{source}: {name!r} is a vector, which is no density, expected one of {listed(parts)}")
+        return parts[0]
     if len(names) == 1:
         return names[0]
     for usual in ("density", "Density", "rho", "dens"):

@@ -59,7 +59,7 @@ TEST_F(field_pictures_command, say_in_one_line_what_is_missing) {
     must_fail(2, render + "--show mean", "--show mean: expected --field NAME");
     must_fail(2, render + "--field temperature", "--field has no effect with --show T");
     must_fail(2, render + "--show column --field temperature",
-              "it works with --show mean, deviation, volume or maximum");
+              "it works with --show mean, deviation, volume, maximum or slice");
     must_fail(2, render + "--show column --scale symmetric", "--scale symmetric has no effect");
     must_fail(2, render + "--show mean --field t --extinction 2", "--extinction");
     must_fail(2, render + "--show mean --field t --depth-out a.exr", "use --values-out FILE.exr");

@@ -37,6 +37,8 @@ def test_numpy(tmp_path):
     assert volume.mass == pytest.approx(heat.size)
     model = vog.convert(volume, block=1, soft_steps=0, mass_threshold=0, fields=fields)
     assert model.fields["wind"].is_vector and model.fields["heat"].range[0] == pytest.approx(heat.min())
+    with pytest.raises(vog.Error, match="a.npz: 'wind' is a vector, which is no density, expected one of wind_x, wind_y, wind_z"):
+        vog.load(tmp_path / "a.npz", "wind")
     with pytest.raises(vog.Error, match="a.npz: no field 'x', expected one of rho, heat"):
         vog.load(tmp_path / "a.npz", "x")
     with pytest.raises(vog.Error, match="negative"):

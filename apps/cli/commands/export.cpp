@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -149,8 +150,21 @@ Json write_model(Gaussians model, const ExportArguments& arguments, Stages& stag
     return report;
 }
 
+/// Edge of voxels in which a model's surface is smooth: one and a half times the middle one of its Gaussians' standard deviations, at
+/// least a 256th of its box's longest edge.
+double smooth_edge(const Gaussians& model) {
+    const Box box = view_box(model);
+    const Vec3d edges = box.upper - box.lower;
+    std::vector<double> sizes;
+    for (const Vec3f& s : model.scale) sizes.push_back(std::cbrt(double{s.x} * s.y * s.z));
+    if (sizes.empty()) return 1;
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::ranges::nth_element(sizes, middle);
+    return std::max(1.5 * *middle, std::max({edges.x, edges.y, edges.z}) / 256);
+}
+
 /// The volume of the inputs: a single one as it is, others from their model.
-/// voxel_size  of a model, world units; 0: a 256th of the longest edge of its box
+/// voxel_size  of a model, world units; 0: smooth_edge
 Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double voxel_size) {
     if (inputs.kind() == FileKind::volume) {
         LoadedVolumes set = load_volumes(models.inputs, models.volume);
@@ -160,9 +174,7 @@ Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double v
         }
     }
     const Gaussians model = inputs.sum();
-    const Box box = view_box(model);
-    const Vec3d edges = box.upper - box.lower;
-    const double edge = voxel_size > 0 ? voxel_size : std::max({edges.x, edges.y, edges.z}) / 256;
+    const double edge = voxel_size > 0 ? voxel_size : smooth_edge(model);
     Volume volume = voxelize(model, voxel_lattice(model, edge)).volume;
     for (const ScalarField& field : model.fields.scalar)
         if (field.is_measure) volume.background = field.background;
@@ -249,9 +261,11 @@ void add_export(CLI::App& app) {
                         "Value of the surface that is written as triangles in world units, in the "
                         "unit of the density");
     command
-        ->add_option("--voxel-size", arguments->voxel_size,
-                     "Edge of the voxels that a model's surface is found in, world units; default: "
-                     "a 256th of its box's longest edge")
+        ->add_option(
+            "--voxel-size", arguments->voxel_size,
+            "Edge of the voxels that a model's surface is found in, world units; default: one and "
+            "a half times the middle "
+            "standard deviation of its Gaussians, at least a 256th of its box's longest edge")
         ->check(positive_number());
     command
         ->add_option("--units", arguments->units,

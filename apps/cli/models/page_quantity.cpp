@@ -20,8 +20,11 @@ ValueTransfer stated_transfer(PictureRequest request, const Gaussians& model,
 
 HtmlOptions page_settings(PictureRequest request, const Gaussians& model, const std::string& input,
                           std::vector<std::string>& notes) try {
-    if (is_by_value(request.show))
-        request.field = scalar_field_of(model.fields, request.field, input, request.show).name;
+    if (is_by_value(request.show)) {
+        const ScalarField& shown =
+            scalar_field_of(model.fields, request.field, input, request.show);
+        if (request.show == Show::volume) request.field = shown.name;
+    }
     ResolvedPicture volume;
     HtmlOptions options = html_options(request, model, &volume);
     if (request.show == Show::volume) notes = transfer_notes(request, volume);

@@ -11,6 +11,7 @@
 #include "files/sequence.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
+#include "vog/scan_io.h"
 #include "vog/text.h"
 #include "vog/volume_io.h"
 
@@ -97,7 +98,13 @@ void take_channels(RenderArguments& arguments) {
     if (request.show != Show::volume || stated || !drawing.volume.grid.empty() ||
         drawing.inputs.size() != 1 || kind_of(drawing.inputs.front(), {}) != FileKind::volume)
         return;
-    request.layers = layers_of_channels(grid_names(drawing.inputs.front()));
+    const std::string& input = drawing.inputs.front();
+    std::vector<Channel> grids;
+    for (const std::string& grid : grid_names(input)) grids.push_back({grid, 1});
+    if (layers_of_channels(grids).empty()) return;
+    const std::vector<VolumeInfo> infos = inspect_volume(input);
+    for (std::size_t n = 0; n < grids.size(); ++n) grids[n].most = infos.at(n).grid.max;
+    request.layers = layers_of_channels(grids);
     if (request.layers.empty()) return;
     std::string channels;
     for (const Layer& layer : request.layers)

@@ -97,7 +97,7 @@ void check_density(const Cells& cells, const CellOptions& options) {
     if (negative && !options.clip_negative)
         throw Error(fmt::format(
             "{}: '{}' has {} negative values, the first {} at {} {}, expected 0 or more "
-            "(--clip-negative sets negative ones to 0)",
+            "(negative ones can be clipped to 0)",
             name_of(cells), cells.density.name, negative, density[first],
             cells.density.at_points ? "point" : "cell", first));
 }

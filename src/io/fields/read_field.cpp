@@ -212,8 +212,9 @@ std::string coverage_note(const FieldCoverage& coverage) {
     const double share = massive ? 1 - coverage.covered_mass / coverage.mass
                                  : 1 - coverage.covered_voxels / coverage.voxels;
     if (share < kLeastShare) return {};
-    return fmt::format("{}: inactive at {:.3g} % of the {} of {}, where its background counts",
-                       coverage.grid, 100 * share, massive ? "mass" : "voxels", coverage.volume);
+    const std::string percent = share < 0.995 ? fmt::format("{:.2g}", 100 * share) : "100";
+    return fmt::format("{}: inactive at {} % of the {} of {}, where its background counts",
+                       coverage.grid, percent, massive ? "mass" : "voxels", coverage.volume);
 }
 
 std::string field_name(const FieldSource& source) { return name_of(source); }

@@ -32,21 +32,49 @@ DepthRange depths_of(const Box& box, const CameraFrame& frame) {
     return range;
 }
 
-/// Adds a piece of a ray to a pixel's slabs.
-void add_piece(const LitPiece& piece, double stretch, std::size_t pixel, SlabCell& cell) {
-    const double front = double{cell.depths.first}, thickness = double{cell.depths.thickness};
-    const int first = cell.slab_at(static_cast<float>(piece.segment.first));
-    const int last = cell.slab_at(static_cast<float>(piece.segment.last));
-    cell.touch(first, last);
-    for (int slab = first; slab <= last; ++slab) {
-        const double from = slab == first ? piece.segment.first : front + slab * thickness;
-        const double to = slab == last ? piece.segment.last : front + (slab + 1) * thickness;
-        const ValueLight& light = piece.light;
-        const double tau = light.extinction * std::max(to - from, 0.0) * stretch;
-        const double sums[4] = {tau * light.r, tau * light.g, tau * light.b, tau};
-        for (int c = 0; c < 4; ++c) cell.slab(slab)[c].pixel[pixel] += static_cast<float>(sums[c]);
+/// Light of a pixel's pieces in each slab, composited in their order.
+class PixelSlabs {
+  public:
+    PixelSlabs(SlabCell& cell, std::size_t pixel) : cell_(cell), pixel_(pixel) {}
+    ~PixelSlabs() { finish(); }
+    PixelSlabs(const PixelSlabs&) = delete;
+    PixelSlabs& operator=(const PixelSlabs&) = delete;
+
+    /// Adds a run of one light, behind those before.
+    void add(const Segment& run, const ValueLight& light, double stretch) {
+        const SlabDepths& depths = cell_.depths;
+        const int first = cell_.slab_at(static_cast<float>(run.first));
+        const int last = cell_.slab_at(static_cast<float>(run.last));
+        for (int slab = first; slab <= last; ++slab) {
+            if (slab != slab_) finish(), slab_ = slab;
+            const double front = double{depths.first} + slab * double{depths.thickness};
+            const double from = slab == first ? run.first : front;
+            const double to = slab == last ? run.last : front + double{depths.thickness};
+            light_.add(light.extinction * std::max(to - from, 0.0) * stretch, light.r, light.g,
+                       light.b);
+        }
     }
-}
+
+  private:
+    /// Optical depth of the slab, and its colour times that.
+    void finish() {
+        const double absorbed = 1 - light_.transmittance;
+        if (absorbed > 0) {
+            const double tau = -std::log(std::max(light_.transmittance, 1e-30)),
+                         per = tau / absorbed;
+            const double sums[4] = {per * light_.r, per * light_.g, per * light_.b, tau};
+            for (int c = 0; c < 4; ++c)
+                cell_.slab(slab_)[c].pixel[pixel_] = static_cast<float>(sums[c]);
+            cell_.touch(slab_, slab_);
+        }
+        light_ = {};
+    }
+
+    SlabCell& cell_;
+    std::size_t pixel_;
+    int slab_ = 0;
+    reference::Compositor light_;
+};
 
 /// Adds the voxels in front of the pixels of a cell.
 void add_voxels(const VoxelLayer& layer, const CameraFrame& frame, const Clipping& clip,
@@ -60,9 +88,12 @@ void add_voxels(const VoxelLayer& layer, const CameraFrame& frame, const Clippin
             if (within.empty()) continue;
             pieces.clear();
             layer.rays.add(origin, direction, within, pieces);
-            for (const LitPiece& piece : pieces)
-                add_piece(piece, length(direction), static_cast<std::size_t>(y * kCellWidth + x),
-                          cell);
+            PixelSlabs slabs(cell, static_cast<std::size_t>(y * kCellWidth + x));
+            reference::for_each_run_of_light(pieces,
+                                             [&](const Segment& run, const ValueLight& light) {
+                                                 slabs.add(run, light, length(direction));
+                                                 return true;
+                                             });
         }
 }
 

@@ -131,15 +131,20 @@ void color_map(Picture& picture) {
     picture.image = shade_map(colored.shown, picture.made.colors, colored.scale, request.shading);
 }
 
-/// Adds the title, and a colour bar for each visible layer.
-void mark_layers(Picture& picture) {
+/// Adds the title, and a colour bar for each visible layer, with its file where fields have one name.
+void mark_layers(Picture& picture, const Scene& scene) {
     const ResolvedPicture& made = picture.made;
     const Marks& marks = made.request.marks;
     Annotation around{marks.title, {}, marks.color_bar};
     for (std::size_t n = 0; n < made.layers.size(); ++n) {
         if (!made.request.layers[n].visible) continue;
         const ResolvedPicture& layer = made.layers[n];
+        const auto same = std::ranges::count_if(made.layers, [&](const ResolvedPicture& other) {
+            return other.field.field == layer.field.field;
+        });
         around.label = quantity_label(Show::volume, layer.field.field, layer.unit);
+        if (same > 1 && n < scene.layers.size() && !scene.layers[n].name.empty())
+            around.label += " of " + std::filesystem::path(scene.layers[n].name).stem().string();
         picture.image = annotated(picture.image, bar_of(layer.chosen), layer.chosen.scale, around,
                                   made.request.shading.background);
         if (!marks.color_bar) return;
@@ -160,7 +165,7 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
             background);
     if (!marks.color_bar && marks.title.empty()) return;
     const Show show = made.request.show;
-    if (!made.layers.empty()) return mark_layers(picture);
+    if (!made.layers.empty()) return mark_layers(picture, scene);
     const std::string label = show == Show::depth ? quantity_label(show, {}, made.unit)
                               : show == Show::volume
                                   ? quantity_label(show, made.field.field, made.unit)

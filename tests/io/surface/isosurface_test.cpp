@@ -1,6 +1,7 @@
 // isosurface_test.cpp: surfaces of volumes are closed, lie where the value is, and are read back from their files.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>

@@ -159,6 +159,25 @@ TEST(layers, voxels_and_models_hide_each_other) {
     }
 }
 
+TEST(layers, voxels_are_the_same_beside_a_model_that_is_not_seen) {
+    // Two values in one slab: the nearer one hides the other.
+    Volume volume;
+    volume.name = "density";
+    Leaf& leaf = volume.leaves.emplace_back();
+    for (int v = 0; v < kLeafVoxels; ++v) leaf.set(v, v & 1 ? 1.0f : 3.0f);
+    volume.world_from_index = {{{Vec3d{0.125, 0, 0}, {0, 0.125, 0}, {0, 0, 0.125}}},
+                               {-0.45, -0.45, -0.45}};
+    const vog::Scene voxels = scene_of(std::move(volume));
+    Layer two = layer_of(kRed, 0.5);
+    two.transfer.bands = {{0, 2, 1, 0, 0, 0.999}, {2, 4, 0, 0, 1, 0.999}};
+    Layer none = layer_of(kBlue, 0, "heat");
+    none.transfer.may_be_empty = true;
+    PictureRequest request = request_of({two, none});
+    request.slabs = 3;
+    EXPECT_LT(largest_difference(light_of({voxels, blob({}, 4, 3)}, request), alone(voxels, two)),
+              1e-5);
+}
+
 TEST(layers, shadow_each_other) {
     const vog::Scene floor = cube({-0.5, -1.5, -0.5}, 1, 3), roof = blob({0, 0.8, 0}, 4, 3);
     const auto brightness = [&](bool with_roof) {
@@ -216,13 +235,20 @@ TEST(layers, are_the_same_from_words_and_json) {
 }
 
 TEST(layers, of_channels_have_their_colours) {
-    const auto colors = [](std::vector<std::string> grids) {
+    const auto layers = [](const std::vector<std::string>& grids) {
+        std::vector<Channel> channels;
+        for (const std::string& grid : grids) channels.push_back({grid, grid == "c2" ? 0.0 : 9.0});
+        return layers_of_channels(channels);
+    };
+    const auto colors = [&](const std::vector<std::string>& grids) {
         std::string all;
-        for (const Layer& layer : layers_of_channels(grids))
+        for (const Layer& layer : layers(grids))
             all += layer.grid + ' ' + layer.transfer.points.points.name + ' ';
         return all;
     };
-    EXPECT_EQ(colors({"c0", "c1", "c2"}), "c0 magenta c1 lime c2 cyan ");
+    EXPECT_EQ(colors({"c0", "c1", "c2", "c3"}), "c0 magenta c1 lime c3 yellow ");
+    EXPECT_FALSE(layers({"c0", "c1"})[0].transfer.range);
+    EXPECT_EQ(layers({"red", "green", "blue"})[1].transfer.range, (std::pair{0.0, 9.0}));
     EXPECT_EQ(colors({"red", "green", "blue", "alpha"}), "red red green lime blue blue ");
     EXPECT_EQ(colors({"c0"}), "");
     EXPECT_EQ(colors({"t0", "t1"}), "");

@@ -2,6 +2,7 @@
 // their views, and planes that are refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>

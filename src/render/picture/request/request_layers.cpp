@@ -135,19 +135,24 @@ Layer layer_of_words(const std::string& text) try {
 
 namespace vog {
 
-std::vector<Layer> layers_of_channels(std::span<const std::string> grids) {
+std::vector<Layer> layers_of_channels(std::span<const Channel> grids) {
     const std::vector<std::string> primaries{"red", "green", "blue"};
-    const bool rgb = grids.size() >= 3 && std::ranges::equal(grids.first(3), primaries);
+    const bool rgb =
+        grids.size() >= 3 && std::ranges::equal(grids.first(3), primaries, {}, &Channel::grid);
     std::vector<Layer> layers;
     if (grids.size() < 2) return layers;
+    if (rgb) grids = grids.first(3);
+    const double most = std::ranges::max(grids, {}, &Channel::most).most;
     // Two channels in colours that the colour-blind tell apart.
     const char* const colors[] = {"magenta", "lime", "cyan", "yellow", "red", "blue", "orange"};
     const char* const of_rgb[] = {"red", "lime", "blue"};
-    for (std::size_t n = 0; n < (rgb ? 3 : grids.size()); ++n) {
-        if (!rgb && grids[n] != "c" + std::to_string(n)) return {};
+    for (std::size_t n = 0; n < grids.size(); ++n) {
+        if (!rgb && grids[n].grid != "c" + std::to_string(n)) return {};
+        if (!(grids[n].most > 0)) continue;
         Layer& layer = layers.emplace_back();
-        layer.grid = grids[n];
+        layer.grid = grids[n].grid;
         layer.transfer.points = transfer_points(rgb ? of_rgb[n] : colors[n % std::size(colors)]);
+        if (rgb) layer.transfer.range.emplace(0, most);
     }
     return layers;
 }

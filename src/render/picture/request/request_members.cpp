@@ -9,8 +9,8 @@ namespace requests {
 namespace {
 
 constexpr double kMost = std::numeric_limits<double>::max(), kLeast = 5e-324;
-constexpr Range kAny{-kMost, kMost, "a number"}, kAbove{kLeast, kMost, "a number above 0"},
-    kFromZero{0, kMost, "a number from 0"}, kShare{0, 1, "a number from 0 to 1"};
+constexpr Range kAny{-kMost, kMost, "a number"}, kFromZero{0, kMost, "a number from 0"},
+    kShare{0, 1, "a number from 0 to 1"};
 
 constexpr const char *kQuantity = "Quantity", *kColour = "Colour", *kPicture = "Picture",
                      *kVolume = "Volume rendering (`show` volume)",

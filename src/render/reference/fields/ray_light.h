@@ -53,16 +53,17 @@ class VoxelRays {
                                                   const ReferenceOptions& options,
                                                   const VolumeLook& look);
 
-/// Composites the pieces of several volumes; where they overlap, extinctions add up.
-/// stretch  world units of one t
-inline void composite(std::vector<LitPiece>& pieces, double stretch, Compositor& to) {
+/// Calls visit(segment, light) for runs of one light, front to back, until it returns false. Where pieces overlap, extinctions add up.
+/// pieces  are sorted
+template <class Visit>
+void for_each_run_of_light(std::vector<LitPiece>& pieces, const Visit& visit) {
     std::sort(pieces.begin(), pieces.end(), [](const LitPiece& a, const LitPiece& b) {
         return a.segment.first < b.segment.first;
     });
     thread_local std::vector<LitPiece> active;
     active.clear();
     double at = 0;
-    for (std::size_t next = 0; (next < pieces.size() || !active.empty()) && !to.opaque();) {
+    for (std::size_t next = 0; next < pieces.size() || !active.empty();) {
         if (active.empty()) at = pieces[next].segment.first;
         while (next < pieces.size() && pieces[next].segment.first <= at)
             active.push_back(pieces[next++]);
@@ -76,10 +77,21 @@ inline void composite(std::vector<LitPiece>& pieces, double stretch, Compositor&
             r += light.extinction * light.r, g += light.extinction * light.g;
             b += light.extinction * light.b;
         }
-        to.add(extinction * (until - at) * stretch, r / extinction, g / extinction, b / extinction);
+        if (!visit(Segment{at, until},
+                   ValueLight{extinction, r / extinction, g / extinction, b / extinction}))
+            return;
         at = until;
         std::erase_if(active, [&](const LitPiece& piece) { return piece.segment.last <= at; });
     }
+}
+
+/// Composites the pieces of several volumes.
+/// stretch  world units of one t
+inline void composite(std::vector<LitPiece>& pieces, double stretch, Compositor& to) {
+    for_each_run_of_light(pieces, [&](const Segment& run, const ValueLight& light) {
+        to.add(light.extinction * (run.last - run.first) * stretch, light.r, light.g, light.b);
+        return !to.opaque();
+    });
 }
 
 }  // namespace vog::reference
