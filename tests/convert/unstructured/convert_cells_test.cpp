@@ -93,7 +93,7 @@ struct Expected {
     }
 };
 
-TEST(ConvertCells, LinearDataOnCurvilinearCellsEqualTheClosedForm) {
+TEST(convert_cells, linear_data_on_curvilinear_cells_equal_the_closed_form) {
     for (const std::vector<Piece>& cut : kAllCuts) {
         SCOPED_TRACE(cut.front().type);
         // Voxels are boxes, and these pyramids have triangles where their neighbours have quads.
@@ -133,7 +133,7 @@ TEST(ConvertCells, LinearDataOnCurvilinearCellsEqualTheClosedForm) {
     }
 }
 
-TEST(ConvertCells, EveryCellIsAGaussianOfItsMoments) {
+TEST(convert_cells, every_cell_is_a_gaussian_of_its_moments) {
     Cells cells = lattice(2, kHexahedra);
     set_at_points(cells, cells.density, [](Vec3d) { return 3.0; });
     set_at_points(cells, cells.fields.emplace_back(), slope);
@@ -153,7 +153,7 @@ TEST(ConvertCells, EveryCellIsAGaussianOfItsMoments) {
     EXPECT_EQ(exact, 6);
 }
 
-TEST(ConvertCells, VectorsOfCellsAreConstantInEach) {
+TEST(convert_cells, vectors_of_cells_are_constant_in_each) {
     Cells cells = lattice(2, kTetrahedra);
     cells.density.component.resize(1);
     cells.density.component[0].assign(cells.size(), 1.0f);
@@ -169,7 +169,7 @@ TEST(ConvertCells, VectorsOfCellsAreConstantInEach) {
     EXPECT_NEAR(mass(model), 1, 1e-6);
 }
 
-TEST(ConvertCells, ShellsHaveTheirThickness) {
+TEST(convert_cells, shells_have_their_thickness) {
     for (const int type : {5, 8, 9}) {
         Cells cells;
         cells.points = {{0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}};
@@ -191,7 +191,7 @@ TEST(ConvertCells, ShellsHaveTheirThickness) {
     }
 }
 
-TEST(ConvertCells, BadCellsAreCountedAndTheOthersCount) {
+TEST(convert_cells, bad_cells_are_counted_and_the_others_count) {
     Cells cells = lattice(3, kTetrahedra);
     set_at_points(cells, cells.density, [](Vec3d) { return 1.0; });
     std::swap(cells.corner[0], cells.corner[1]);  // inverted
@@ -210,7 +210,7 @@ TEST(ConvertCells, BadCellsAreCountedAndTheOthersCount) {
     for (float d : model.density) EXPECT_TRUE(std::isfinite(d) && d > 0);
 }
 
-TEST(ConvertCells, TangledCellsStayFinite) {
+TEST(convert_cells, tangled_cells_stay_finite) {
     std::mt19937 random(3);
     std::normal_distribution<double> any;
     for (const std::vector<Piece>& cut : kAllCuts) {
@@ -223,7 +223,7 @@ TEST(ConvertCells, TangledCellsStayFinite) {
     }
 }
 
-TEST(ConvertCells, ErrorsAreMet) {
+TEST(convert_cells, errors_are_met) {
     Cells cells = lattice(7, kTetrahedra);
     set_at_points(cells, cells.density, [](Vec3d p) {
         const Vec3d d = p - Vec3d{0.5, 0.4, 0.6};
@@ -238,7 +238,7 @@ TEST(ConvertCells, ErrorsAreMet) {
     EXPECT_LE(whole.measured_error, kDefaultError);
 }
 
-TEST(ConvertCells, RefusesWhatIsNoMesh) {
+TEST(convert_cells, refuses_what_is_no_mesh) {
     Cells cells = lattice(1, kHexahedra);
     set_at_points(cells, cells.density, [](Vec3d p) { return p.x - 0.5; });
     const auto text = [&](const CellOptions& options = {}) {
@@ -246,7 +246,7 @@ TEST(ConvertCells, RefusesWhatIsNoMesh) {
     };
     EXPECT_EQ(text(),
               "cells: 'density' has 4 negative values, the first -0.5 at point 0, expected 0 or "
-              "more (--clip-negative sets negative ones to 0)");
+              "more (negative ones can be clipped to 0)");
     EXPECT_NO_THROW((void)convert_cells(cells, {.clip_negative = true}));
     EXPECT_NE(text({.budget = 1, .error = 0.1}).find("exclude each other"), std::string::npos);
     EXPECT_NE(text({.error = 2}).find("expected in (0, 1)"), std::string::npos);
