@@ -8,7 +8,6 @@
 #include "files/outputs.h"
 #include "options/option_effects.h"
 #include "options/parser/settings.h"
-#include "options/parser/settings.h"
 #include "options/parser/validators.h"
 #include "terminal/terminal.h"
 #include "vog/volume_io.h"
