@@ -311,7 +311,8 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
     if (request.show == Show::slice && !arguments.view.stored) {
         arguments.view.stored = picture.camera();
         if (arguments.view.orthographic && keeps_stored(arguments.view, command))
-            throw UsageError("--orthographic has no effect with --show slice, whose own view is");
+            throw UsageError(
+                "--orthographic has no effect with --show slice, whose view is one already");
     }
     if (picture.unit_is_label && ranks.is_root)
         print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",
