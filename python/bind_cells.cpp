@@ -106,8 +106,8 @@ corners    [K] numbers of points, those of one cell after those of another, in V
 types      [M] of VTK: 5 triangle, 8 pixel, 9 quad, 10 tetrahedron, 11 voxel, 12 hexahedron, 13 wedge, 14 pyramid
 density    [N] values at points, linear between them, or [M] constant in each cell; >= 0, per world unit
 ends       [M] end of each cell in corners; default: by the types
-fields     {name: values} likewise, of any sign, or [N, 3] of vectors; {"value": values, "unit": "K"} states the unit,
-           and {"at": "cells"} or "points" where both are of one number
+fields     {name: values}, at points or in cells like the density, of any sign; [N, 3] or [M, 3] for vectors. {"value": values, "unit": "K"}
+           states the unit; add "at": "cells" or "points" where there are as many cells as points
 thickness  of triangles, pixels and quads, world units; 0 leaves them out
 name       of the density
 

@@ -112,6 +112,8 @@ TEST_F(column_density_command, a_sequence_has_one_range) {
     const std::vector<float> first = npy_values(read_text(dir_ / "values/step_1.npy"));
     const std::vector<float> second = npy_values(read_text(dir_ / "values/step_2.npy"));
     EXPECT_NEAR(*std::ranges::max_element(second), 2 * *std::ranges::max_element(first), 1e-3);
+    must("render 'step_*.vdb' -o volumes/ --show volume --size 16");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "volumes/step_2.png"));
 }
 
 TEST_F(column_density_command, a_colour_bar_of_t_leaves_the_picture_as_it_was) {

@@ -163,7 +163,7 @@ double smooth_edge(const Gaussians& model) {
     return std::max(1.5 * *middle, std::max({edges.x, edges.y, edges.z}) / 256);
 }
 
-/// The volume of the inputs: a single one as it is, others from their model.
+/// Volume whose surface is written: the input where it is one volume, else voxels of the inputs' model.
 /// voxel_size  of a model, world units; 0: smooth_edge
 Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double voxel_size) {
     if (inputs.kind() == FileKind::volume) {

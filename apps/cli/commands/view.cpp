@@ -51,13 +51,7 @@ std::string field_grid(const WindowArguments& arguments) {
 
 /// The first quantity, and the transfer functions of fields as they are shown.
 void set_quantity(viewer::ViewerOptions& options, const PictureRequest& request) {
-    const HtmlQuantity stated = [&] {
-        try {
-            return html_quantity(request);
-        } catch (const RequestError& error) {
-            throw as_option(error);
-        }
-    }();
+    const HtmlQuantity stated = stated_quantity(request);
     options.quantity.show = show_named(stated.show);
     options.quantity.look = stated.look;
     options.quantity.slabs = request.slabs;

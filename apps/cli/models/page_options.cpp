@@ -42,11 +42,7 @@ HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& com
 }
 
 void check_page_options(const PageArguments& arguments, const GivenOptions& command) {
-    try {
-        (void)html_quantity(page_request(arguments));
-    } catch (const RequestError& error) {
-        throw as_option(error);
-    }
+    (void)stated_quantity(page_request(arguments));
     if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
 }
 

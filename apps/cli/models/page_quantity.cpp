@@ -6,6 +6,12 @@
 
 namespace vog::cli {
 
+HtmlQuantity stated_quantity(const PictureRequest& request) try {
+    return html_quantity(request);
+} catch (const RequestError& error) {
+    throw as_option(error);
+}
+
 ValueTransfer stated_transfer(PictureRequest request, const Gaussians& model,
                               const ScalarField& field, std::vector<std::string>& notes) {
     request.show = Show::volume;

@@ -95,10 +95,16 @@ void take_channels(RenderArguments& arguments) {
         std::initializer_list<const char*>{"field", "tf", "range", "scale", "window", "bands",
                                            "threshold", "unit_distance", "layers", "renderer"},
         [&](const char* key) { return words.has(key); });
-    if (request.show != Show::volume || stated || !drawing.volume.grid.empty() ||
-        drawing.inputs.size() != 1 || kind_of(drawing.inputs.front(), {}) != FileKind::volume)
+    // Steps in time, which a pattern or a folder of pictures states, show one channel each.
+    const bool steps =
+        !arguments.turntable && (is_sequence(arguments.output) || is_numbered(arguments.output));
+    if (request.show != Show::volume || stated || steps || !drawing.volume.grid.empty() ||
+        drawing.inputs.size() != 1)
         return;
     const std::string& input = drawing.inputs.front();
+    if (std::error_code code;
+        !std::filesystem::is_regular_file(input, code) || kind_of(input, {}) != FileKind::volume)
+        return;
     std::vector<Channel> grids;
     for (const std::string& grid : grid_names(input)) grids.push_back({grid, 1});
     if (layers_of_channels(grids).empty()) return;
@@ -113,7 +119,7 @@ void take_channels(RenderArguments& arguments) {
     print_notes(
         {fmt::format("{}: channels are layers: {}; --grid draws one, --layer grid=NAME,... "
                      "others",
-                     drawing.inputs.front(), channels)});
+                     input, channels)});
 }
 
 /// Inputs of layers: those of the command line, and the files that layers name. The first one is the picture's.
