@@ -162,7 +162,7 @@ def test_ome_zarr_takes_channels_places_and_levels(tmp_path):
     stack = np.random.default_rng(1).integers(20, 250, (2, 8, 12, 16)).astype(np.uint8)
     for n, step in enumerate((1, 2)):
         part = stack[:, ::step, ::step, ::step]
-        group.create_array(str(n), shape=part.shape, dtype=part.dtype)[:] = part
+        group[str(n)] = part
     axes = [{"name": "c", "type": "channel"}] + [{"name": axis, "type": "space", "unit": "micrometer"} for axis in "zyx"]
     datasets = [{"path": str(n), "coordinateTransformations": [{"type": "scale", "scale": [1, 3 * 2**n, 2 * 2**n, 2**n]},
                  {"type": "translation", "translation": [0, 5, 6, 7]}]} for n in range(2)]  # fmt: skip
@@ -195,7 +195,8 @@ def write_dicom(folder, stack, spacing=(2.0, 0.5, 0.25)):
         slice_.BitsAllocated = slice_.BitsStored = 16
         slice_.HighBit, slice_.PixelRepresentation = 15, 0
         slice_.PixelData = stack[n].astype("<u2").tobytes()
-        slice_.save_as(folder / f"{n}.dcm", enforce_file_format=True)
+        slice_.is_little_endian, slice_.is_implicit_VR = True, False
+        slice_.save_as(folder / f"{n}.dcm", write_like_original=False)
 
 
 def test_dicom_series(tmp_path):

@@ -81,7 +81,7 @@ def test_recommended_calls_work(write, tmp_path):
     name = write(tmp_path)
     done = subprocess.run([VOG, name], cwd=tmp_path, capture_output=True, text=True)
     text = done.stdout + done.stderr
-    call = re.search(r"which Python reads for vog: python3 (-m vog render .*? -o (\S+)), and", text)
+    call = re.search(r"which Python reads for vog: python3 (-m vog render .*? -o (\S+));", text)
     assert call, text
     environment = {**os.environ, "PATH": os.path.dirname(VOG) + os.pathsep + os.environ["PATH"]}
     made = subprocess.run([sys.executable, *shlex.split(call[1]), "--size", "32"], cwd=tmp_path, env=environment, capture_output=True, text=True)

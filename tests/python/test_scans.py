@@ -202,7 +202,8 @@ def test_pydicom(tmp_path, monkeypatch):
         one.HighBit, one.PixelRepresentation = 15, 1
         one.RescaleSlope, one.RescaleIntercept = 1, -10
         one.PixelData = values[:, :, z].T.astype("<i2").tobytes()
-        one.save_as(tmp_path / "series" / f"{(z * 7) % 4}.dcm", enforce_file_format=True)
+        one.is_little_endian, one.is_implicit_VR = True, False
+        one.save_as(tmp_path / "series" / f"{(z * 7) % 4}.dcm", write_like_original=False)
     matrix = np.diag([-3, -2, 4, 1]).astype(float)
     matrix[:3, 3] = -7, -8, 9
-    expect(run("pydicom", tmp_path, monkeypatch), np.maximum(values - 10, 0), matrix)
+    expect(run("pydicom", tmp_path, monkeypatch), values - 10 + 1000, matrix)  # above the background of -1000

@@ -206,8 +206,7 @@ const PythonReader kPythonReaders[] = {
 std::string python_advice(const PythonReader& reader, const std::string& file) {
     return fmt::format(
         "{}, which Python reads for vog: python3 -m vog render {} -o {}; every other command works "
-        "the "
-        "same way; in Python vog.load (docs/python.md)",
+        "the same way; in Python vog.load (docs/python.md)",
         reader.what, quoted(file), beside(file, ".png"));
 }
 
