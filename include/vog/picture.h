@@ -218,6 +218,9 @@ struct SlicePlane {
 /// Names of SlicePlane::axis.
 std::span<const char* const> slice_axes();
 
+/// Error of colour and opacity, estimated, up to which a pixel of a model's volume is interpolated.
+inline constexpr double kVolumePrecision = 1 / 200.0;
+
 /// A picture as a user asks for it. Open members have defaults, which resolve() sets.
 struct PictureRequest {
     Show show = Show::depth;
@@ -239,8 +242,9 @@ struct PictureRequest {
     std::optional<Renderer> renderer{};  ///< nothing: splat of models, reference of voxels
     RenderOptions options{};             ///< options of the renderer, and the clip
     std::optional<int> slabs{};  ///< depth slabs of volume and maximum; nothing: depth_slabs()
-    std::optional<SlicePlane> plane{};  ///< plane of a slice
-    std::optional<double> thickness{};  ///< slab that is averaged, > 0; nothing: the plane
+    double precision = kVolumePrecision;  ///< error up to which pixels of volumes are interpolated
+    std::optional<SlicePlane> plane{};    ///< plane of a slice
+    std::optional<double> thickness{};    ///< slab that is averaged, > 0; nothing: the plane
     Marks marks{};
 };
 /// Whether a picture shows a field: slices may show the density itself.

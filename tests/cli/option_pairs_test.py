@@ -34,7 +34,7 @@ VALUES = {
     "--set minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
     "--memory": "200M", "--set scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
     "--renderer": "reference", "--interpolation": "linear", "--set step": "0.5", "--samples": "2", "--set aabb-sigma": "1",
-    "--pixel-error": "1", "--repeat": "2", "--set anyhit": "collect", "--set hits-per-slab": "4", "--set stop-transmittance": "0.01",
+    "--pixel-error": "1", "--repeat": "2", "--set anyhit": "collect", "--set hits-per-slab": "4", "--set precision": "0.1", "--set stop-transmittance": "0.01",
     "--frame": "data", "--view": "+x", "--distance": "2", "--fov": "30", "--width": "20",
     "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--set roll": "10", "--camera": "{made}/camera.json",
     "--extinction": "0.5", "--tf": "viridis", "--background": "white",

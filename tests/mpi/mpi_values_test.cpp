@@ -51,7 +51,7 @@ class mpi_value_inputs : public Mpi {};
 TEST_F(mpi_value_inputs, ranks_without_a_gaussian_choose_the_same_unit_distance) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --block 32 --no-hierarchy");
-    const std::string render = "render c.ply --show volume --size 70 --json -o ";
+    const std::string render = "render c.ply --show volume --set precision=0 --size 70 --json -o ";
     const auto one = nlohmann::json::parse(must(render + "one.png").out);
     const auto many = nlohmann::json::parse(must_mpi(8, render + "many.png").out);
     EXPECT_EQ(one["unit_distance"], many["unit_distance"]);

@@ -67,7 +67,7 @@ def test_a_request_draws_the_same_picture_again(sources, kind, show):
         {"field": "wind", "show": "mean", "range": (-3, 3), "renderer": "trace", "clip": [[-99, -99, -99], [99, 0, 99]]},
         {"field": "heat", "show": "maximum", "units": "mK", "slabs": 7},
         {"field": "heat", "show": "volume", "light": (1, 2, 3), "light_weights": (0.2, 0.6, 0.3, 8), "threshold": 290},
-        {"show": "volume", "field": "density", "window": (0.5, 0.4), "unit_distance": 2},
+        {"show": "volume", "field": "density", "window": (0.5, 0.4), "unit_distance": 2, "precision": 0},
         {"show": "volume", "field": "density", "shadows": True, "light_from": (1, 2, 3), "scattering": 4, "ambient_occlusion": True},
         {"show": "volume", "bands": [(0.1, 0.3, (0, 0, 1), 0.2), (0.3, np.inf, (1, 1, 0), 0.6)], "field": "density"},
         {"show": "volume", "tf": np.array([[0, 0, 0, 0], [1, 0.5, 0, 0.5], [1, 1, 1, 1]]), "field": "density", "range": (0.1, 0.9)},
@@ -324,7 +324,7 @@ BAD = [
     ({"scale_bar": []}, "scale_bar"), ({"title": 3}, "title"), ({"camera": 3}, "camera"), ({"camera": {"eye": 1}}, "camera"),
     ({"size": (10, 20, 30)}, "size"), ({"size": 0}, "size"), ({"size": 10.5}, "size"), ({"size": "big"}, "size"), ({"size": 10**9}, "size"),
     ({"renderer": "magic"}, "renderer 'magic', expected"), ({"renderer": "reference"}, "renderer 'reference', expected"),
-    ({"show": "volume", "slabs": 0}, "slabs"), ({"show": "volume", "slabs": 1.5}, "slabs"), ({"pixel_error": -1}, "pixel_error"),
+    ({"show": "volume", "slabs": 0}, "slabs"), ({"show": "volume", "precision": 2}, "precision"), ({"show": "volume", "slabs": 1.5}, "slabs"), ({"pixel_error": -1}, "pixel_error"),
     ({"aabb_sigma": -1}, "aabb_sigma"), ({"kappa": 2}, "kappa"), ({"anyhit": "collect"}, "anyhit is not for renderer 'splat'"),
     ({"renderer": "trace", "anyhit": "some"}, "anyhit"), ({"renderer": "trace", "anyhit": "collect", "hits_per_slab": 0}, "hits_per_slab"),
     ({"renderer": "trace", "anyhit": "collect", "stop_transmittance": 0.1}, "stop_transmittance"),
@@ -333,7 +333,7 @@ BAD = [
     # Keywords without effect on T.
     *(({key: value}, f"{key} has no effect on show 'T', expected ") for key, value in (
         ("field", "heat"), ("range", (0, 1)), ("scale", "log"), ("window", (1, 2)), ("bands", [(0, 1, (1, 1, 1), 1)]), ("threshold", 1),
-        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("ambient_occlusion", True), ("scattering", 2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8))),
+        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("ambient_occlusion", True), ("scattering", 2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
     ({"show": "column", "extinction": 2}, "extinction has no effect on show 'column'"), ({"show": "volume", "blend": True}, "blend has no effect"),
 ]  # fmt: skip
 

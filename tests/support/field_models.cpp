@@ -55,6 +55,19 @@ void add_random_fields(Gaussians& model, std::uint64_t seed) {
     velocity.upper = 0.1;
 }
 
+Gaussians cloud_of_values() {
+    Gaussians model = random_gaussians(150, 0.08, 0.2, 3);
+    add_random_fields(model, 3);
+    return model;
+}
+ValueTransfer rainbow(const ScalarField& field) {
+    const double low = field.lower, range = field.upper - field.lower;
+    return {"rainbow",
+            {{low, 0, 0, 1}, {low + 0.4 * range, 0, 1, 0}, {low + range, 1, 0, 0}},
+            {{low, 0.1}, {low + 0.3 * range, 0.4}, {low + 0.5 * range, 0}, {low + range, 0.5}},
+            0.2};
+}
+
 void expect_same_fields(const Fields& a, const Fields& b) {
     ASSERT_EQ(a.names(), b.names());
     const auto expect_described = [](const auto& one, const auto& other) {

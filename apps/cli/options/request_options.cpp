@@ -15,9 +15,9 @@ namespace {
 
 /// Members that few pictures need: --set NAME=VALUE.
 bool is_setting(const std::string& key) {
-    static const std::set<std::string> keys{"least_column", "light_weights", "scattering",
-                                            "kappa",        "aabb_sigma",    "step",
-                                            "anyhit",       "hits_per_slab", "stop_transmittance"};
+    static const std::set<std::string> keys{
+        "least_column", "light_weights", "scattering",         "kappa",    "aabb_sigma", "step",
+        "anyhit",       "hits_per_slab", "stop_transmittance", "precision"};
     return keys.contains(key);
 }
 
@@ -137,9 +137,9 @@ void add_shown_options(CLI::App& command, RequestWords& words, const std::string
         const bool general = member.group == "Quantity" || member.group == "Colour";
         const bool special = member.group == "Clipping" || member.shows.starts_with("volume");
         // Maps of pages have the data's units, and show every pixel.
-        if (!(general || special) || member.key == "units" || member.key == "least_column" ||
-            member.key == "layers")
-            continue;
+        static const std::set<std::string> of_pictures{"units", "least_column", "layers",
+                                                       "precision"};
+        if (!(general || special) || of_pictures.contains(member.key)) continue;
         const OptionGroup grouped(command,
                                   general && !group.empty() ? group : spelled(member.group));
         RequestMember shown = member;

@@ -56,8 +56,8 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
     const RenderInput input =
         kind == FileKind::volume ? RenderInput::volumes : RenderInput::gaussians;
     if (words.has("renderer") || (file.renderer && !draws(*file.renderer, input)))
-        drop({"renderer", "slabs", "anyhit", "hits_per_slab", "stop_transmittance", "aabb_sigma",
-              "pixel_error", "interpolation", "step", "samples"});
+        drop({"renderer", "slabs", "precision", "anyhit", "hits_per_slab", "stop_transmittance",
+              "aabb_sigma", "pixel_error", "interpolation", "step", "samples"});
     return request_of_json(json.dump());
 }
 

@@ -74,6 +74,7 @@ class SplatPictures : public SourceRenderer {
     struct Kept {
         std::string field;
         int slabs = 0;
+        double precision = 0;
         bool lit = false;
         Clipping clip{};
         friend bool operator==(const Kept&, const Kept&) = default;
@@ -83,8 +84,10 @@ class SplatPictures : public SourceRenderer {
     SlabRenderer& slabs(const ResolvedPicture& picture) {
         SlabOptions options = slab_options(picture);
         options.slabs = depth_slabs(picture.request);
+        options.precision = picture.request.precision;
         const ValueTransfer& transfer = picture.chosen.transfer;
-        Kept wanted{picture.field.field, options.slabs, options.look.light, options.look.clip};
+        Kept wanted{picture.field.field, options.slabs, options.precision, options.look.light,
+                    options.look.clip};
         if (slabs_ && kept_ == wanted) {
             slabs_->set_transfer(transfer);
             slabs_->set_light(options.look);

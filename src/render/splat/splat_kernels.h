@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -95,6 +96,20 @@ struct TilePixels {
 struct TileRays {
     RayInterval kept[kTileHeight][TilePixels::kStride];
 };
+
+/// Pixel that the axis of a view goes through, which need not lie in the middle of the picture.
+struct AxisPixel {
+    double column, row;
+};
+inline AxisPixel axis_pixel(const CameraFrame& frame) {
+    const Vec3d first = frame.orthographic ? frame.first_origin - frame.eye : frame.corner;
+    // Halves, quarters or eighths of pixels: no rounding is left.
+    constexpr double kParts = 64;
+    const auto place = [&](Vec3d axis) {
+        return std::round(kParts * frame.pixels_per_unit * dot(first, axis)) / kParts;
+    };
+    return {-place(frame.right), place(frame.up)};
+}
 
 /// Pixels of a tile that a splat touches, inclusive, counted from the tile's first pixel.
 struct TileRange {

@@ -215,8 +215,9 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, const SplatModel& 
     const V to_pixels = hn::Mul(ppu, inverse_leading);
     const V root_yy = hn::Sqrt(shape_yy);
     const V half_x = hn::Mul(hn::Sqrt(shape_xx), to_pixels), half_y = hn::Mul(root_yy, to_pixels);
-    const V center_x = hn::MulAdd(ppu, center_r, hn::Set(d, 0.5 * (frame.width - 1)));
-    const V center_y = hn::NegMulAdd(ppu, center_u, hn::Set(d, 0.5 * (frame.height - 1)));
+    const AxisPixel axis = axis_pixel(frame);
+    const V center_x = hn::MulAdd(ppu, center_r, hn::Set(d, axis.column));
+    const V center_y = hn::NegMulAdd(ppu, center_u, hn::Set(d, axis.row));
     hn::Mask<D> some_x, some_y;
     const auto x_bounds = pixel_interval(d, center_x, half_x, frame.width, some_x);
     const auto y_bounds = pixel_interval(d, center_y, half_y, frame.height, some_y);

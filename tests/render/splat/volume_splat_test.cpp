@@ -147,20 +147,6 @@ TEST(volume_splat, the_nearer_one_hides_the_farther_from_both_sides) {
             }
 }
 
-/// Overlapping Gaussians with a temperature of any gradient, deviation and skewness.
-Gaussians cloud_of_values() {
-    Gaussians model = random_gaussians(150, 0.08, 0.2, 3);
-    add_random_fields(model, 3);
-    return model;
-}
-ValueTransfer rainbow(const ScalarField& field) {
-    const double low = field.lower, range = field.upper - field.lower;
-    return {"rainbow",
-            {{low, 0, 0, 1}, {low + 0.4 * range, 0, 1, 0}, {low + range, 1, 0, 0}},
-            {{low, 0.1}, {low + 0.3 * range, 0.4}, {low + 0.5 * range, 0}, {low + range, 0.5}},
-            0.2};
-}
-
 /// Gaussians on a lattice that fill a box; values rise along a tilted direction.
 Gaussians tilted_layer() {
     Gaussians model;

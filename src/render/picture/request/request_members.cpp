@@ -255,6 +255,17 @@ std::vector<Entry> volume_entries() {
           "volume maximum",
           "splat cuda optix"},
          open(VOG_MEMBER(slabs), {1, 1024, "1 to 1024"})},
+        {{"precision",
+          kVolume,
+          "ERROR",
+          "Error of colour and opacity, from 0 to 1 and estimated from the pixels around, up to "
+          "which a pixel of a model is interpolated in a picture of half the resolution; 0: every "
+          "pixel is drawn",
+          fmt::format("{}", kVolumePrecision),
+          {},
+          "volume",
+          "splat"},
+         plain(VOG_MEMBER(precision), {0, 1, "0 to 1"})},
         {{"layers",
           kVolume,
           "[FILE,]KEY=VALUE,...",

@@ -19,8 +19,9 @@ ShownMean shown_mean(const Gaussians& gaussians, std::size_t i, const FarSplat& 
     const ShownMean at{p, frame.orthographic ? 1 : dot(p, frame.forward), pixel * frame.right,
                        -pixel * frame.up};
     const double pixels = frame.pixels_per_unit / at.forward;
-    const double x = pixels * dot(p, frame.right) + 0.5 * (frame.width - 1);
-    const double y = -pixels * dot(p, frame.up) + 0.5 * (frame.height - 1);
+    const AxisPixel axis = axis_pixel(frame);
+    const double x = pixels * dot(p, frame.right) + axis.column;
+    const double y = -pixels * dot(p, frame.up) + axis.row;
     out.mean_x = static_cast<float>(x - splat.column);
     out.mean_y = static_cast<float>(y - splat.row);
     return at;

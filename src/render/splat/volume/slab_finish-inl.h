@@ -287,10 +287,11 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, CellView
                                  SlabCell& cell) {
     const CellRays& rays = view.pixels;
     using V = hn::Vec<D>;
-    const V zero = hn::Zero(d), dark = hn::Set(d, kDarkTransmittance);
+    const V zero = hn::Zero(d), dark = hn::Set(d, light.dark);
     const bool lit = cell.channels == kLitChannels;
     bool hidden = true;
     for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        if (!cell.draws(n / kCellWidth)) continue;
         SeenLanes<V> before;
         before.passed = hn::Load(d, cell.seen[3].data() + n);
         const auto visible = hn::Ge(before.passed, dark);

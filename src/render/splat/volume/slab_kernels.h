@@ -59,6 +59,9 @@ inline constexpr int kMostSlabs = 1024;
 inline constexpr int kCellWidth = 16, kCellHeight = 16, kCellPixels = kCellWidth * kCellHeight;
 inline constexpr int kCellColumns = kTileWidth / kCellWidth, kCellRows = kTileHeight / kCellHeight;
 
+/// Rows of a cell, a bit each.
+inline constexpr std::uint32_t kAllRows = (std::uint32_t{1} << kCellHeight) - 1;
+
 /// Numbers of the pixels of a cell, rows from the top.
 using CellPixels = std::array<float, kCellPixels>;
 
@@ -77,6 +80,7 @@ struct SlabCell {
     std::int32_t column = 0, row = 0;  ///< image position of the first pixel
     SlabDepths depths;
     int slabs = 1, channels = kUnlitChannels;
+    std::uint32_t rows = kAllRows;  ///< that are drawn, a bit each, the lowest at the top
     /// Whether rays are clipped, and between which depths.
     bool clipped = false;
     alignas(64) CellPixels clip_near{}, clip_far{};
@@ -95,6 +99,7 @@ struct SlabCell {
         return static_cast<int>(std::clamp((depth - depths.first) / depths.thickness, 0.0f,
                                            static_cast<float>(slabs - 1)));
     }
+    bool draws(std::size_t n) const { return (rows >> n & 1) != 0; }
     bool touched() const { return lowest <= highest; }
     void touch(int from, int to) {
         lowest = std::min(lowest, from);
@@ -140,7 +145,8 @@ struct SlabLight {
     /// Place in the lattice, in cells: of depth 0 of SlabDepths on the axis of the view, and its change by a world unit along
     /// right, down and forward.
     device::Float3 middle{}, right{}, down{}, forward{};
-    float depth = 0;  ///< of depth 0 of SlabDepths, from the eye, world units
+    float depth = 0;                  ///< of depth 0 of SlabDepths, from the eye, world units
+    float dark = kDarkTransmittance;  ///< transmittance that hides everything behind
 };
 
 /// A layer in a cell of a picture: sums of a model and what makes light of them, or optical depths and colours times them.

@@ -36,10 +36,9 @@ void begin_rays(D d, const CameraFrame& frame, const SlabCell& cell,
                 const CellPoints<kAcross, kStep>& points, Rays<kCount>& rays) {
     static_assert(kCount == CellPoints<kAcross, kStep>::kCount);
     const double pixel = 1 / frame.pixels_per_unit;
-    const auto place_of = [&](double at, int size) {
-        return hn::Set(d, static_cast<float>((at - 0.5 * (size - 1)) * pixel));
-    };
-    const auto left = place_of(cell.column, frame.width), top = place_of(cell.row, frame.height);
+    const AxisPixel axis = axis_pixel(frame);
+    const auto left = hn::Set(d, static_cast<float>((cell.column - axis.column) * pixel));
+    const auto top = hn::Set(d, static_cast<float>((cell.row - axis.row) * pixel));
     const auto step = hn::Set(d, static_cast<float>(pixel)), zero = hn::Zero(d);
     for (std::size_t n = 0; n < kCount; n += hn::Lanes(d)) {
         const auto across = hn::MulAdd(hn::Load(d, points.x.data() + n), step, left);

@@ -17,23 +17,46 @@ SlabDepths slab_depths(const DepthRange& range, int slabs) {
     return {range.near - margin, (range.far - range.near + 2 * margin) / static_cast<float>(slabs)};
 }
 
-DepthRange SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::size_t first,
-                                std::size_t last) const {
+void SplatExtent::add(const FarSplat& splat) {
+    const PixelBounds& at = splat.bounds;
+    const double pixels = (at.x1 - at.x0 + 1.0) * (at.y1 - at.y0 + 1.0);
+    const float axis = least_half_axis(splat);
+    area += pixels;
+    for (int n = 0; n < kMostHalves; ++n)
+        if (axis < kWideHalfAxis * static_cast<float>(1 << n)) narrow[n] += pixels;
+}
+
+void SplatExtent::include(const SplatExtent& other) {
+    depths.include(other.depths);
+    area += other.area;
+    for (int n = 0; n < kMostHalves; ++n) narrow[n] += other.narrow[n];
+}
+
+int SplatExtent::halves() const {
+    int count = 0;
+    while (count < kMostHalves && narrow[count] <= 0.5 * area) ++count;
+    return area > 0 ? count : 0;
+}
+
+SplatExtent SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::size_t first,
+                                 std::size_t last) const {
     ProjectedSplats& splats = batch.splats;
     splats.keep_origin = true;
     batch.fields.resize(std::max(batch.fields.size(), last - first));
-    DepthRange all = kNoDepths;
+    SplatExtent all;
     std::mutex joining;
     splats.project(kernels, model, view.frame, first, last, [&](SplatChunk& chunk) {
-        DepthRange range = kNoDepths;
+        SplatExtent extent;
         for (std::size_t n = chunk.slot; n < chunk.slot + chunk.count; ++n) {
             SlabSplat& field = batch.fields[n];
             field = slab_splat(view, splats.origin[n], splats.far[n]);
-            range.include({field.near, field.far});
+            extent.depths.include({field.near, field.far});
+            extent.add(splats.far[n]);
         }
-        for (const NearSplat& splat : chunk.near) range.include(depths_of(view, splat.index));
+        for (const NearSplat& splat : chunk.near)
+            extent.depths.include(depths_of(view, splat.index));
         const std::scoped_lock lock(joining);
-        all.include(range);
+        all.include(extent);
     });
     return all;
 }
@@ -116,7 +139,35 @@ void SlabPicture::divide(int t, SlabBuffers& buffers) const {
 bool SlabPicture::place_cell(int t, int n, SlabCell& cell) const {
     cell.column = tiles().column_of(t) + n % kCellColumns * kCellWidth;
     cell.row = tiles().row_of(t) + n / kCellColumns * kCellHeight;
-    return cell.column < view.frame.width && cell.row < view.frame.height;
+    cell.rows = kAllRows;
+    if (cell.column >= view.frame.width || cell.row >= view.frame.height) return false;
+    if (rows) cell.rows = rows->of(cell.column, cell.row);
+    return true;
+}
+
+/// Adds the rows of splats that may lie between the pixels at half the resolution.
+void SlabPicture::add_narrow(const SlabBuffers& buffers, int t) const {
+    const int left = tiles().column_of(t), top = tiles().row_of(t);
+    const int right = std::min(left + kTileWidth, view.frame.width) - 1;
+    const int bottom = std::min(top + kTileHeight, view.frame.height) - 1;
+    for (std::size_t b = 0; b < batches.size(); ++b)
+        for (const std::uint32_t n : buffers.of_batch[b].found) {
+            const ProjectedSplats& splats = batches[b].splats;
+            if (!(least_half_axis(splats.far[n]) < kLeastHalfAxis)) continue;
+            const PixelBounds& at = splats.bounds[n];
+            for (int y = std::max<int>(at.y0, top); y <= std::min<int>(at.y1, bottom); ++y)
+                for (int x = std::max<int>(at.x0, left) / kCellWidth;
+                     x <= std::min<int>(at.x1, right) / kCellWidth; ++x)
+                    rows->of(x * kCellWidth, y) |= std::uint32_t{1} << (y % kCellHeight);
+        }
+}
+
+bool SlabPicture::draws_in(int t) const {
+    const int left = tiles().column_of(t), top = tiles().row_of(t);
+    for (int y = top; y < std::min(top + kTileHeight, view.frame.height); y += kCellHeight)
+        for (int x = left; x < std::min(left + kTileWidth, view.frame.width); x += kCellWidth)
+            if (rows->of(x, y) != 0) return true;
+    return false;
 }
 
 bool SlabPicture::begin_cell(int t, int n, SlabBuffers& buffers) const {
@@ -145,6 +196,7 @@ void SlabPicture::sum_cell(SlabBuffers& buffers) const {
 void SlabPicture::write(const SlabCell& cell, Rgba* image) const {
     const auto& [red, green, blue, transmittance] = cell.seen;
     for (int y = 0; y < std::min(kCellHeight, view.frame.height - cell.row); ++y) {
+        if (!cell.draws(static_cast<std::size_t>(y))) continue;
         Rgba* row =
             image + static_cast<std::ptrdiff_t>(cell.row + y) * view.frame.width + cell.column;
         for (int x = 0; x < std::min(kCellWidth, view.frame.width - cell.column); ++x) {
@@ -166,10 +218,12 @@ void SlabPicture::finish_cell(SlabCell& cell, Rgba* image) const {
 
 void SlabPicture::draw_tile(int t, SlabBuffers& buffers, Rgba* image) const {
     const bool any = find(t, buffers);
+    if (any && rows) add_narrow(buffers, t);
+    if (rows && !draws_in(t)) return;
     if (any) divide(t, buffers);
     SlabCell& cell = buffers.cell;
     for (int n = 0; n < kCellColumns * kCellRows; ++n) {
-        if (!place_cell(t, n, cell)) continue;
+        if (!place_cell(t, n, cell) || cell.rows == 0) continue;
         if (!any || !begin_cell(t, n, buffers)) {
             cell.seen = {};
             cell.seen[3].fill(1);

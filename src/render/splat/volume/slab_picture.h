@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "render/splat/projected_splats.h"
+#include "render/splat/pyramid/half_picture.h"
 #include "render/splat/volume/slab_splats.h"
 
 namespace vog::splat {
@@ -56,7 +57,7 @@ class KeptSums {
     template <class Visit>
     void each_cell(int t, SlabCell& cell, const Visit& visit) const {
         for (const Kept& kept : tiles_[static_cast<std::size_t>(t)]) {
-            cell.column = kept.column, cell.row = kept.row;
+            cell.column = kept.column, cell.row = kept.row, cell.rows = kAllRows;
             cell.touch(kept.lowest, kept.highest);
             std::ranges::copy(kept.planes, cell.slab(kept.lowest));
             visit();
@@ -81,6 +82,20 @@ inline constexpr DepthRange kNoDepths{std::numeric_limits<float>::infinity(),
 /// Slabs that divide a range of depths, not empty.
 SlabDepths slab_depths(const DepthRange& range, int slabs);
 
+/// Halves of the resolution at most.
+inline constexpr int kMostHalves = 2;
+
+/// Splats of a picture together.
+struct SplatExtent {
+    DepthRange depths = kNoDepths;
+    /// Pixels of their bounds, and those of splats too narrow for pictures of a half, a quarter, ... of the resolution.
+    double area = 0, narrow[kMostHalves] = {};
+    void add(const FarSplat& splat);
+    void include(const SplatExtent& other);
+    /// Halves of the resolution that most of the picture is drawn at.
+    int halves() const;
+};
+
 /// One picture in progress.
 struct SlabPicture {
     const SlabView& view;
@@ -94,11 +109,11 @@ struct SlabPicture {
         0;  ///< of a maximum: largest share of the field's range per unit of kTau in a slab
 
     KeptSums* kept = nullptr;  ///< receives the sums of draw_tile(); null: none are kept
+    CellRows* rows = nullptr;  ///< to draw; rows of narrow splats are added; null: all
 
     /// Projects and bins Gaussians first ... last - 1.
-    /// returns  range of their depths
-    DepthRange project(const SplatModel& model, SlabBatch& batch, std::size_t first,
-                       std::size_t last) const;
+    SplatExtent project(const SplatModel& model, SlabBatch& batch, std::size_t first,
+                        std::size_t last) const;
     /// Finds the splats of tile t.
     /// returns  whether there are any
     bool find(int t, SlabBuffers& buffers) const;
@@ -115,13 +130,15 @@ struct SlabPicture {
     void draw_tile(int t, SlabBuffers& buffers, Rgba* image) const;
     /// Draws a whole picture of complete sums that it kept before.
     void draw_kept(tbb::enumerable_thread_specific<SlabBuffers>& buffers, Rgba* image) const;
-    /// Sets the image position of cell n of tile t.
+    /// Sets the image position of cell n of tile t, and its rows.
     /// returns  whether it lies in the image
     bool place_cell(int t, int n, SlabCell& cell) const;
 
     const ProjectedSplats& tiles() const { return batches.front().splats; }
 
   private:
+    void add_narrow(const SlabBuffers& buffers, int t) const;
+    bool draws_in(int t) const;
     void write(const SlabCell& cell, Rgba* image) const;
 };
 

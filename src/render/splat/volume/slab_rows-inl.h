@@ -229,6 +229,7 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& field, const 
         V forms[kCellHeight], ys[kCellHeight];
         std::size_t rows[kCellHeight], count = 0;
         for (std::size_t row = y0; row <= y1; ++row) {
+            if (!cell.draws(row)) continue;
             rows[count] = row * kCellWidth + column;
             ys[count] = hn::Add(hn::Set(d, static_cast<float>(row)), top);
             forms[count] = form_at(d, lanes, columns, ys[count]);

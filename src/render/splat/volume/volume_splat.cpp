@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -44,6 +45,16 @@ struct View {
     bool is_finer(const View& other) const { return camera == other.camera && width > other.width; }
 };
 
+/// A picture of one resolution in progress, and buffers that are kept from picture to picture.
+struct SlabLevel {
+    CameraFrame frame;
+    std::deque<SlabBatch> batches;
+    std::optional<SlabView> view;
+    std::optional<SlabPicture> drawn;
+    std::optional<SlabLight> finish;
+    VolumeImage image;  ///< of half the resolution, and less
+};
+
 /// Model and buffers, kept from picture to picture.
 struct SlabModel {
     const Gaussians* gaussians;
@@ -56,7 +67,7 @@ struct SlabModel {
     VolumeLook look;
     ValueRange range;
     const Collective* processes;  ///< that hold parts of the model; null: this one alone
-    std::deque<SlabBatch> batches;
+    double precision;
     tbb::enumerable_thread_specific<SlabBuffers> buffers;
     int drawn_pictures = 0;
     int edits = 0;  ///< counts changes of transfer function and light
@@ -64,14 +75,13 @@ struct SlabModel {
     std::deque<std::pair<View, int>> views;
     KeptSums kept;
     std::optional<View> kept_view;  ///< that `kept` holds whole
+    int kept_level = 0;             ///< whose sums these are
     lights::KeptIllumination reached;
     const lights::Illumination* joint = nullptr;  ///< of all layers of a picture, in its place
     // Of the picture in progress.
-    CameraFrame frame;
     Clipping clip;
-    std::optional<SlabView> slab_view;
-    std::optional<SlabPicture> drawn;
-    std::optional<SlabLight> finish;
+    std::array<SlabLevel, 1 + kMostHalves> levels;  ///< by halves of the resolution
+    SlabLevel& whole = levels.front();
 
     SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options,
               int channels);
@@ -82,9 +92,14 @@ struct SlabModel {
     /// light    null: draws the maximum
     /// returns  whether there are any Gaussians
     bool begin(const LightOfMoments* light, const Camera& camera, int width, int height);
+    /// Places it in a picture of half the resolution of the level before.
+    void begin_half(std::size_t level);
     /// Projects and bins them.
-    /// returns  range of their depths, from the view's
-    DepthRange project();
+    SplatExtent project(std::size_t level);
+    /// Draws a level of a picture, from that at half its resolution where there is one.
+    /// coarsest  level without one
+    /// sums      of the coarsest level: receives them, or draws from them where they are kept; null: neither
+    void draw_level(std::size_t level, std::size_t coarsest, KeptSums* sums, VolumeImage& picture);
     void draw(const LightOfMoments* light, const Camera& camera, int width, int height,
               VolumeImage& picture);
     /// Light that reaches the slabs of a picture.
@@ -100,8 +115,8 @@ SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const Sla
       field(&of_model),
       look(options.look),
       range(value_range(of_model)),
-      processes(options.collective && options.collective->count > 1 ? options.collective
-                                                                    : nullptr) {
+      processes(options.collective && options.collective->count > 1 ? options.collective : nullptr),
+      precision(options.precision) {
     if (options.slabs < 1 || options.slabs > kMostSlabs)
         throw Error(
             fmt::format("splat: {} depth slabs, expected 1 to {}", options.slabs, kMostSlabs));
@@ -136,6 +151,7 @@ KeptSums* SlabModel::sums_for(const View& view) {
 }
 
 void SlabModel::set_reached(const LightOfMoments& of, SlabLight& light) {
+    const CameraFrame& frame = whole.frame;
     if (!joint)
         reached.update(edits, {*gaussians, *field, of, model.unit, processes}, look, frame.forward);
     light.lattice = (joint ? *joint : *reached).lattice(gaussians->origin);
@@ -145,14 +161,15 @@ void SlabModel::set_reached(const LightOfMoments& of, SlabLight& light) {
     };
     const device::Double3& first = light.lattice.first;
     light.middle =
-        cells(frame.eye + slab_view->depth * frame.forward - Vec3d{first.x, first.y, first.z});
+        cells(frame.eye + whole.view->depth * frame.forward - Vec3d{first.x, first.y, first.z});
     light.right = cells(frame.right), light.down = cells(-frame.up);
     light.forward = cells(frame.forward);
-    light.depth = static_cast<float>(slab_view->depth);
+    light.depth = static_cast<float>(whole.view->depth);
 }
 
 bool SlabModel::begin(const LightOfMoments* light, const Camera& camera, int width, int height) {
-    frame = relative_to(frame_of(camera, width, height), gaussians->origin);
+    const CameraFrame& frame = whole.frame =
+        relative_to(frame_of(camera, width, height), gaussians->origin);
     if (width > kMaxSide || height > kMaxSide)
         throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
                                 height, kMaxSide));
@@ -165,28 +182,77 @@ bool SlabModel::begin(const LightOfMoments* light, const Camera& camera, int wid
     clip = relative_to(look.clip, gaussians->origin);
     double radius[1] = {length()};
     if (processes) processes->max(radius);
-    slab_view.emplace(SlabView{*gaussians, *field, range, frame, clip, double{model.cutoff},
-                               model.limits.variance, radius[0], depth});
+    whole.view.emplace(SlabView{*gaussians, *field, range, frame, clip, double{model.cutoff},
+                                model.limits.variance, radius[0], depth});
     const std::size_t most = TileBins::most_splats(width, height);
-    batches.resize(std::max<std::size_t>((gaussians->size() + most - 1) / most, 1));
-    drawn.emplace(SlabPicture{*slab_view, *kernels, polynomials, batches});
-    drawn->unit = model.unit;
-    finish.reset();
+    whole.batches.resize(std::max<std::size_t>((gaussians->size() + most - 1) / most, 1));
+    whole.drawn.emplace(SlabPicture{*whole.view, *kernels, polynomials, whole.batches});
+    whole.drawn->unit = model.unit;
+    whole.finish.reset();
     if (!light) return true;
-    drawn->light =
-        &finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
-    set_reached(*light, *finish);
+    whole.drawn->light =
+        &whole.finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
+    // What lies behind so little light is less than the error of a pixel.
+    whole.finish->dark = std::max(kDarkTransmittance, static_cast<float>(precision / 8));
+    set_reached(*light, *whole.finish);
     return true;
 }
 
-DepthRange SlabModel::project() {
+void SlabModel::begin_half(std::size_t level) {
+    SlabLevel &half = levels[level], &before = levels[level - 1];
+    half.frame = half_frame(before.frame);
+    half.batches.resize(before.batches.size());
+    const SlabView& view = *before.view;
+    half.view.emplace(SlabView{view.gaussians, view.field, view.range, half.frame, view.clip,
+                               view.cutoff, view.share, view.length, view.depth});
+    half.drawn.emplace(SlabPicture{*half.view, *kernels, polynomials, half.batches});
+    half.drawn->depths = before.drawn->depths;
+    half.drawn->unit = model.unit;
+    half.drawn->most_share = before.drawn->most_share;
+    half.finish.reset();
+    if (!before.finish) return;
+    const SlabLight& light = *before.finish;
+    half.drawn->light = &half.finish.emplace(
+        SlabLight{half.frame, light.light, light.look, light.lattice, light.middle, light.right,
+                  light.down, light.forward, light.depth, light.dark});
+}
+
+SplatExtent SlabModel::project(std::size_t level) {
+    SlabLevel& of = levels[level];
     const std::size_t own = gaussians->size();
-    const std::size_t most = TileBins::most_splats(frame.width, frame.height);
-    ++drawn_pictures;
-    DepthRange depths = kNoDepths;
-    for (std::size_t n = 0; n < batches.size(); ++n)
-        depths.include(drawn->project(model, batches[n], n * most, std::min((n + 1) * most, own)));
-    return depths;
+    const std::size_t most = TileBins::most_splats(whole.frame.width, whole.frame.height);
+    SplatModel shown = model;
+    shown.limits.least2 = std::ldexp(model.limits.least2, -2 * static_cast<int>(level));
+    shown.limits.sampled2 = std::ldexp(model.limits.sampled2, -2 * static_cast<int>(level));
+    SplatExtent extent;
+    for (std::size_t n = 0; n < of.batches.size(); ++n)
+        extent.include(
+            of.drawn->project(shown, of.batches[n], n * most, std::min((n + 1) * most, own)));
+    return extent;
+}
+
+void SlabModel::draw_level(std::size_t level, std::size_t coarsest, KeptSums* sums,
+                           VolumeImage& picture) {
+    SlabLevel& of = levels[level];
+    picture.width = of.frame.width, picture.height = of.frame.height;
+    picture.pixel.resize(static_cast<std::size_t>(picture.width) *
+                         static_cast<std::size_t>(picture.height));
+    std::optional<CellRows> rows;
+    if (level < coarsest) {
+        SlabLevel& half = levels[level + 1];
+        begin_half(level + 1);
+        draw_level(level + 1, coarsest, sums, half.image);
+        of.drawn->rows = &rows.emplace(fill_from_half(half.image, precision, picture));
+    } else if (of.drawn->kept = sums; sums && kept_view) {
+        return of.drawn->draw_kept(buffers, picture.pixel.data());
+    }
+    if (level > 0) (void)project(level);
+    const TileBins& bins = of.batches.front().splats.bins;
+    if (of.drawn->kept) kept.begin(bins.tiles(), of.drawn->depths);
+    struct Nothing {};
+    draw_tiles<Nothing>(bins, [&](int t, Nothing) {
+        of.drawn->draw_tile(t, buffers.local(), picture.pixel.data());
+    });
 }
 
 void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int width, int height,
@@ -197,25 +263,24 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
         std::ranges::fill(picture.pixel, Rgba{0, 0, 0, 0});
         return;
     }
-    if (light && !processes) drawn->kept = sums_for({camera, width, height});
-    if (kept_view && drawn->kept) {
-        drawn->depths = kept.depths();
-        return drawn->draw_kept(buffers, picture.pixel.data());
+    KeptSums* const sums = light && !processes ? sums_for({camera, width, height}) : nullptr;
+    if (sums && kept_view && kept_level == 0) {
+        whole.drawn->depths = kept.depths();
+        return draw_level(0, 0, sums, picture);
     }
-    DepthRange depths = project();
-    if (processes) depths = joint_depths(depths, *processes);
-    if (!depths.empty()) drawn->depths = slab_depths(depths, slabs);
-    drawn->most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
-                                           double{drawn->depths.thickness});
-    if (processes) return draw_parts(*drawn, buffers, *processes, picture.pixel.data());
-    const TileBins& bins = batches.front().splats.bins;
-    if (drawn->kept) kept.begin(bins.tiles(), drawn->depths);
-    struct Nothing {};
-    draw_tiles<Nothing>(
-        bins, [&](int t, Nothing) { drawn->draw_tile(t, buffers.local(), picture.pixel.data()); });
-    if (!drawn->kept) return;
+    ++drawn_pictures;
+    SplatExtent extent = project(0);
+    if (processes) extent.depths = joint_depths(extent.depths, *processes);
+    if (!extent.depths.empty()) whole.drawn->depths = slab_depths(extent.depths, slabs);
+    whole.drawn->most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
+                                                 double{whole.drawn->depths.thickness});
+    if (processes) return draw_parts(*whole.drawn, buffers, *processes, picture.pixel.data());
+    const int halves = precision > 0 ? extent.halves() : 0;
+    draw_level(0, static_cast<std::size_t>(halves), sums, picture);
+    if (!sums) return;
     if (!kept.complete()) kept.begin(0, {});
     kept_view = {camera, width, height};
+    kept_level = halves;
 }
 
 }  // namespace
@@ -264,30 +329,31 @@ bool SlabRenderer::begin(const Camera& camera, int width, int height,
     SlabModel& slabs = state_->slabs;
     slabs.joint = &reached;
     if (!slabs.begin(&state_->light, camera, width, height)) return false;
-    const DepthRange own = slabs.project();
+    ++slabs.drawn_pictures;
+    const DepthRange own = slabs.project(0).depths;
     if (own.empty()) return false;
-    const auto from_eye = static_cast<float>(slabs.slab_view->depth);
+    const auto from_eye = static_cast<float>(slabs.whole.view->depth);
     depths.include({own.near + from_eye, own.far + from_eye});
     return true;
 }
 void SlabRenderer::set_depths(const splat::SlabDepths& depths) {
     SlabModel& slabs = state_->slabs;
-    slabs.drawn->depths = {static_cast<float>(double{depths.first} - slabs.slab_view->depth),
-                           depths.thickness};
+    slabs.whole.drawn->depths = {static_cast<float>(double{depths.first} - slabs.whole.view->depth),
+                                 depths.thickness};
 }
 bool SlabRenderer::begin_tile(int t) {
     SlabModel& slabs = state_->slabs;
     SlabBuffers& own = slabs.buffers.local();
-    const bool any = slabs.drawn->find(t, own);
-    if (any) slabs.drawn->divide(t, own);
+    const bool any = slabs.whole.drawn->find(t, own);
+    if (any) slabs.whole.drawn->divide(t, own);
     return any;
 }
 splat::LayerCell SlabRenderer::sum_cell(int t, int n) {
     SlabModel& slabs = state_->slabs;
     SlabBuffers& own = slabs.buffers.local();
-    if (!slabs.drawn->begin_cell(t, n, own)) return {};
-    slabs.drawn->sum_cell(own);
-    return {&own.cell, slabs.drawn->light};
+    if (!slabs.whole.drawn->begin_cell(t, n, own)) return {};
+    slabs.whole.drawn->sum_cell(own);
+    return {&own.cell, slabs.whole.drawn->light};
 }
 void SlabRenderer::add_extinction(lights::ExtinctionLattice& lattice) const {
     const SlabModel& slabs = state_->slabs;

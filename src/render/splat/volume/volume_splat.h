@@ -23,6 +23,9 @@ struct SlabOptions {
     std::string simd_target{};  ///< one of splat_targets(); empty: the best
     double kappa = 0;           ///< as SplatOptions::kappa
     VolumeLook look{};
+    /// Error of a pixel of a volume, in colour and opacity from 0 to 1, up to which it is interpolated between pixels at half
+    /// the resolution; estimated from its neighbours. 0: every pixel is drawn.
+    double precision = 0;
     /// Processes that each hold a part of the model and make the same calls (vog-mpi); pictures are complete on the
     /// root. Null: this process has all of it.
     const Collective* collective = nullptr;

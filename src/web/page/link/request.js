@@ -9,7 +9,7 @@ import { automaticRange, comparable, fieldKey, shownOf, shows } from '../quantit
 import { length, sub } from '../vectors.js';
 
 /** Members of renderers and of files of pictures, which a page has not. */
-const ofFiles = ['size', 'slabs', 'renderer', 'pixel_error', 'kappa', 'aabb_sigma', 'interpolation', 'step', 'samples', 'anyhit', 'hits_per_slab',
+const ofFiles = ['size', 'slabs', 'precision', 'renderer', 'pixel_error', 'kappa', 'aabb_sigma', 'interpolation', 'step', 'samples', 'anyhit', 'hits_per_slab',
   'stop_transmittance', 'color_bar', 'axes', 'scale_bar', 'title', 'least_column'];
 
 /** `light: "studio"`. */
