@@ -11,42 +11,18 @@ namespace vog::moments {
 
 namespace {
 
-constexpr double kFirstShare = 0.01;  // share of the finest cut that searches begin with
 constexpr double kSteepest = -1, kFlattest = -0.1;  // powers of the count that are believed
 
 }  // namespace
 
-SearchStart search_start(double target, std::size_t finest_count,
-                         const ErrorOfBudget& error_of_budget) {
-    constexpr double kCloseEnough = 0.15;
-    constexpr int kTries = 3;
-    const auto finest = static_cast<double>(finest_count);
-    SearchStart start;
-    start.count = std::max(1.0, kFirstShare * finest);
-    double last_count = 0, last_error = 0;
-    for (int tries = 0; tries < kTries; ++tries) {
-        const double error = error_of_budget(static_cast<std::size_t>(start.count));
-        if (!(error > 0)) break;
-        if (last_count > 0 && last_count != start.count) {
-            const double power = std::log(error / last_error) / std::log(start.count / last_count);
-            if (std::isfinite(power)) start.power = std::clamp(power, kSteepest, kFlattest);
-        }
-        last_count = start.count, last_error = error;
-        start.count =
-            std::clamp(start.count * std::pow(target / error, 1 / start.power), 1.0, finest);
-        if (std::abs(error / target - 1) < kCloseEnough) break;
-    }
-    return start;
-}
-
 std::size_t smallest_budget(double target, std::size_t finest_count,
-                            const ErrorOfBudget& error_of_budget, const SearchStart& start) {
+                            const ErrorOfBudget& error_of_budget, double first) {
     constexpr double kTolerance = 1.05;
     constexpr int kTries = 12;
     const auto finest = static_cast<double>(std::max<std::size_t>(finest_count, 1));
-    double count = start.count > 0 ? start.count : std::max(1.0, kFirstShare * finest);
+    double count = std::clamp(first, 1.0, finest);
     // The budget lies in (low, high]: `low` misses the target, `high` meets it.
-    double low = 1, high = finest, power = start.power, last_count = 0, last_error = 0;
+    double low = 1, high = finest, power = kErrorPower, last_count = 0, last_error = 0;
     double best = 0, best_error = -1;
     int same_side = 0;  // tries in a row that moved only `low`, or only `high` (negative)
     for (int tries = 0; (tries < kTries && high > low * kTolerance) || best_error < 0; ++tries) {
@@ -91,7 +67,9 @@ double error_beyond_interpolation(const RelativeError& error, const RelativeErro
 
 std::size_t smallest_budget(double target, std::size_t finest,
                             const std::function<double(std::size_t)>& error_of_budget) {
-    return moments::smallest_budget(target, finest, error_of_budget, {});
+    constexpr double kFirstShare = 0.01;
+    return moments::smallest_budget(target, finest, error_of_budget,
+                                    kFirstShare * static_cast<double>(finest));
 }
 
 }  // namespace vog

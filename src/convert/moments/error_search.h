@@ -9,18 +9,11 @@ namespace vog::moments {
 /// Measured error of the model with at most `budget` Gaussians.
 using ErrorOfBudget = std::function<double(std::size_t budget)>;
 
-/// First guess of a search: near `count` the error is proportional to count^power.
-struct SearchStart {
-    double count = 0;  ///< 0: a hundredth of the finest cut
-    double power = -0.35;
-};
+/// Power of the number of Gaussians that errors usually are proportional to.
+inline constexpr double kErrorPower = -0.35;
 
-/// Estimates the budget whose error is `target` from three evaluations of a cheap error.
-/// finest  Gaussians of the finest cut
-SearchStart search_start(double target, std::size_t finest, const ErrorOfBudget& error_of_budget);
-
-/// vog::smallest_budget (vog/distributed.h) from this start.
+/// vog::smallest_budget (vog/distributed.h) from a first guess.
 std::size_t smallest_budget(double target, std::size_t finest, const ErrorOfBudget& error_of_budget,
-                            const SearchStart& start);
+                            double first);
 
 }  // namespace vog::moments

@@ -77,16 +77,17 @@ TEST(error_search, an_error_of_zero_gives_few) {
     EXPECT_LE(smallest_budget(0.1, kFinest, [](std::size_t) { return 0.0; }), 1u);
 }
 
-TEST(error_search, a_start_is_near_the_target_and_knows_the_power) {
-    for (const double power : {-0.2, -0.5}) {
-        const auto error = [&](std::size_t budget) {
-            return 3 * std::pow(static_cast<double>(budget), power);
-        };
-        const double exact = 200000;
-        const SearchStart start = search_start(3 * std::pow(exact, power), kFinest, error);
-        EXPECT_NEAR(start.count / exact, 1, 0.01);
-        EXPECT_NEAR(start.power, power, 0.01);
-    }
+TEST(error_search, a_good_first_guess_saves_tries) {
+    const auto error = [](std::size_t budget) {
+        return 3 * std::pow(static_cast<double>(budget), kErrorPower);
+    };
+    const auto tries = [&](double first) {
+        Calls calls{{}, error};
+        smallest_budget(error(200000), kFinest, std::ref(calls), first);
+        return calls.budgets.size();
+    };
+    EXPECT_LT(tries(200000), 4u);
+    EXPECT_GT(tries(10), tries(200000));
 }
 
 TEST(error_search, an_error_below_that_of_interpolation_is_enough) {
