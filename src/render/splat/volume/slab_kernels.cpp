@@ -11,6 +11,8 @@
 #include <limits>
 #include <numbers>
 
+#include "render/by_value/volume_image.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/volume/slab_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -33,12 +35,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "render/splat/volume/slab_layers-inl.h"
 
+#include "render/splat/volume/slab_maximum-inl.h"
+
 #include "render/splat/volume/slab_rows-inl.h"
 
 template <class Tags>
 const SlabKernels& kernels_of() {
     static const SlabKernels kernels{sum_cell<Tags>, draw_cell<Tags>, composite_cell<Tags>,
-                                     composite_layers<Tags>};
+                                     maximum_cell<Tags>, composite_layers<Tags>};
     return kernels;
 }
 /// The kernels of this target if it is `target`, else null.

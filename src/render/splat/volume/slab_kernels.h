@@ -164,6 +164,9 @@ struct SlabKernels {
     void (*draw)(const CellSplats& splats, const SlabLight& light, SlabCell& cell);
     /// Composites sums.
     void (*composite)(const SlabLight& light, SlabCell& cell);
+    /// Largest mean over slabs: red, a share of the field's range, with alpha 1 where there is one.
+    /// most_share  of the field's range per unit of kTau in a slab
+    void (*maximum)(float most_share, SlabCell& cell);
     /// Composites cells of one place under the same depths.
     /// seen  receives premultiplied colour and transmittance
     void (*composite_layers)(std::span<const LayerCell> layers, std::array<CellPixels, 4>& seen);

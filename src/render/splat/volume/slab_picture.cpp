@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "core/parallel.h"
-#include "render/splat/volume/slab_maximum.h"
 
 namespace vog::splat {
 
@@ -211,7 +210,7 @@ void SlabPicture::finish_cell(SlabCell& cell, Rgba* image) const {
     if (light)
         slab_kernels(kernels).composite(*light, cell);
     else
-        maximum_cell(most_share, cell);
+        slab_kernels(kernels).maximum(most_share, cell);
     write(cell, image);
     cell.clear();
 }
