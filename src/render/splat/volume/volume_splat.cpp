@@ -242,7 +242,9 @@ void SlabModel::draw_level(std::size_t level, std::size_t coarsest, KeptSums* su
         SlabLevel& half = levels[level + 1];
         begin_half(level + 1);
         draw_level(level + 1, coarsest, sums, half.image);
-        of.drawn->rows = &rows.emplace(fill_from_half(half.image, precision, picture));
+        // Errors of a coarser level spread over more pixels.
+        const double allowed = std::ldexp(precision, -static_cast<int>(level));
+        of.drawn->rows = &rows.emplace(fill_from_half(half.image, allowed, picture));
     } else if (of.drawn->kept = sums; sums && kept_view) {
         return of.drawn->draw_kept(buffers, picture.pixel.data());
     }
