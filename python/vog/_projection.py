@@ -300,14 +300,16 @@ def slice(  # noqa: A001 - the field's word
 ) -> Projection:
     """Slices a model or a volume across an axis: array and extent, for imshow.
 
-    axis       normal of the plane, towards the observer, as projection() takes it, with the same axes of the picture
-    position   coordinate of the plane along the axis, world units or with a unit: (5, 'Mpc'); None: the middle of the data
+    axis       normal of the plane, towards the observer, as projection() takes it, with the same axes of the picture; of scans also
+               'axial', 'coronal' or 'sagittal', as radiologists see them
+    position   coordinate of the plane along the axis, world units or with a unit: (5, 'Mpc'); of a scan's plane up, to the front or
+               to the right; None: the middle of the data
     field      name of a field at the plane, weighted by density; None: the density
     thickness  average over this length across the plane: the mean of density, or of the field weighted by density; None: the plane itself
 
     Data, width, resolution, center, up, fields and unit are those of projection(). Of a model the density is the exact sum of its
     Gaussians at the centre of each pixel; of voxels a pixel has the value of the voxel that holds its centre, of levels the finest.
-    NaN outside of the data. For a scan's planes by name, vog.render(data, show="slice", plane="axial=12").
+    NaN outside of the data.
 
     Returns a Projection, which unpacks to (array, extent).
 
@@ -317,6 +319,12 @@ def slice(  # noqa: A001 - the field's word
     ([1.0, 9.0, 17.0, 25.0], (-0.25, 1.75, -0.25, 1.75))
     """
     try:
+        if isinstance(axis, str) and axis in ("axial", "coronal", "sagittal"):
+            at = "" if position is None else f"={_length(position, units_of(data).length, 'position')!r}"
+            camera = render(data, show="slice", plane=axis + at, size=8).camera
+            towards = np.subtract(camera.eye, camera.look_at)
+            axis, up = towards, up if up is not None else camera.up
+            position = camera.look_at @ towards / np.linalg.norm(towards)
         return _mapped(data, field, axis, width, resolution, center, up, "slice", fields, unit, position, thickness)
     except (_vog.Error, TypeError) as error:
         raise type(error)(str(error).replace("projection:", "slice:", 1)) from None

@@ -138,3 +138,26 @@ def test_of_real_data_are_those_of_yt(data):
             shown = np.asarray(vog.slice(levels, axis, position, resolution=256).array)
             expected = np.asarray(ds.slice(axis, position).to_frb(1.0, 256)["enzo", "Density"].in_cgs())
             assert shown == pytest.approx(expected, rel=1e-6), (axis, position)
+
+
+def test_of_scans_are_seen_as_radiologists_see_them(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    values = np.random.default_rng(4).integers(1, 200, (6, 7, 8)).astype("f4")
+    nibabel.save(nibabel.Nifti1Image(values, np.diag([2.0, 3, 4, 1])), tmp_path / "a.nii")  # x to the right, y front, z up
+    scan = vog.Volume.load(tmp_path / "a.nii", background=0)
+    for axis, position, shown in (("axial", 12, values[::-1, :, 3].T), ("coronal", 9, values[::-1, 3, :].T), ("sagittal", 4, values[2, ::-1, :].T)):
+        rows, columns = shown.shape
+        array, extent = vog.slice(scan, axis, position, resolution=(4 * columns, 4 * rows))
+        picture = vog.render(scan, show="slice", plane=f"{axis}={position}", size=(4 * columns, 4 * rows))
+        assert picture.values.shape == np.asarray(array).shape
+        assert set(np.unique(np.asarray(array)[~np.isnan(np.asarray(array))])) == set(np.unique(shown))
+        # The first row is the lowest: corners of the data at corners of the picture.
+        found = np.asarray(array)
+        inside = found[np.ix_(~np.isnan(found).all(1), ~np.isnan(found).all(0))]
+        for y in (0, -1):
+            for x in (0, -1):
+                assert inside[y, x] == shown[y, x], (axis, x, y)
+    middle = vog.slice(scan, "axial").array
+    assert set(np.unique(middle[~np.isnan(middle)])) <= set(np.unique(values[:, :, 3])) | set(np.unique(values[:, :, 4]))
+    with pytest.raises(vog.Error, match="axial"):
+        vog.slice(voxels(some_array()), "axial")
