@@ -36,6 +36,10 @@ struct VolumeLook {
     /// Octaves of multiple scattering: the mean of exp(-depth / 2^k), weighted by 1 / 2^k, k from 0 to below this, in place of exp(-depth).
     /// Source: Wrenninge, "Oz: The Great and Volumetric", SIGGRAPH 2013 talks.
     int octaves = 1;
+    /// Asymmetry g of the phase function of Henyey and Greenstein, (-1, 1), with shadows: light from the direction, where no
+    /// surface is shaded, times (1 - g^2) / (1 + g^2 - 2 g c)^1.5, c the cosine of the angle that it turns by, at most white.
+    /// Above 0 it is scattered forward. Source: Henyey and Greenstein, Astrophysical Journal 93, 1941.
+    double asymmetry = 0;
     Clipping clip{};  ///< space that is shown; exact on every ray
 
     /// Whether light changes with the place: it shows the thickness of slabs.
@@ -47,7 +51,7 @@ Vec3d studio_light(const Camera& camera);
 /// Octaves that change a picture: further ones have next to no weight.
 inline constexpr int kMostOctaves = 16, kStudioOctaves = 3;
 /// throws  vog::Error for an invalid clip, weights that are negative or not finite, a power that is not > 0, octaves off
-///         [1, kMostOctaves]
+///         [1, kMostOctaves], an asymmetry off (-1, 1)
 void validate(const VolumeLook& look);
 
 /// Light over a background, colours as displayed. A transparent background (a = 0) keeps alpha: as in every

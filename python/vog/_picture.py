@@ -32,6 +32,7 @@ class Light(NamedTuple):
     shadows            matter absorbs light on its way
     ambient_occlusion  matter absorbs ambient light
     scattering         octaves of multiple scattering, 1 to 16, which brighten shadows
+    asymmetry          g of the phase function (Henyey and Greenstein), -0.99 to 0.99; above 0 light goes on forward
     surfaces           surfaces are shaded by gradients, too
     weights            ambient, diffuse, specular and power; None: the default
 
@@ -46,10 +47,12 @@ class Light(NamedTuple):
     scattering: int = 1
     surfaces: bool = False
     weights: "Optional[Sequence[float]]" = None
+    asymmetry: float = 0
 
     def _members(self) -> "Dict[str, Any]":
         parts: "Dict[str, Any]" = {"shadows": self.shadows or None, "ambient_occlusion": self.ambient_occlusion or None, "light_weights": self.weights}
         parts["scattering"] = None if self.scattering == 1 else self.scattering
+        parts["asymmetry"] = self.asymmetry or None
         towards = "head" if self.surfaces and self.towards is None else self.towards
         return {**parts, "light" if self.surfaces else "light_from": towards}
 

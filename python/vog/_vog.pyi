@@ -532,13 +532,14 @@ def render(
     background: Optional[Union[str, _Vector]] = ..., blend: Optional[bool] = ..., window: Optional[ArrayLike] = ...,
     bands: Optional[Sequence[Any]] = ..., threshold: Optional[float] = ..., unit_distance: Optional[float] = ...,
     light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ..., light_from: Optional[ArrayLike] = ...,
-    ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ..., light_weights: Optional[ArrayLike] = ...,
-    slabs: Optional[int] = ..., precision: Optional[float] = ..., layers: Optional[Sequence[dict[str, Any]]] = ...,
-    clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ..., plane: Optional[ArrayLike] = ...,
-    thickness: Optional[float] = ..., color_bar: Optional[bool] = ..., axes: Optional[bool] = ..., scale_bar: Optional[bool] = ...,
-    title: Optional[str] = ..., renderer: Optional[str] = ..., pixel_error: Optional[float] = ..., kappa: Optional[float] = ...,
-    aabb_sigma: Optional[float] = ..., interpolation: Optional[str] = ..., step: Optional[float] = ..., samples: Optional[int] = ...,
-    anyhit: Optional[str] = ..., hits_per_slab: Optional[int] = ..., stop_transmittance: Optional[float] = ...,
+    ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ..., asymmetry: Optional[float] = ...,
+    light_weights: Optional[ArrayLike] = ..., slabs: Optional[int] = ..., precision: Optional[float] = ...,
+    layers: Optional[Sequence[dict[str, Any]]] = ..., clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ...,
+    plane: Optional[ArrayLike] = ..., thickness: Optional[float] = ..., color_bar: Optional[bool] = ..., axes: Optional[bool] = ...,
+    scale_bar: Optional[bool] = ..., title: Optional[str] = ..., renderer: Optional[str] = ..., pixel_error: Optional[float] = ...,
+    kappa: Optional[float] = ..., aabb_sigma: Optional[float] = ..., interpolation: Optional[str] = ..., step: Optional[float] = ...,
+    samples: Optional[int] = ..., anyhit: Optional[str] = ..., hits_per_slab: Optional[int] = ...,
+    stop_transmittance: Optional[float] = ...,
 ) -> Picture: ...
 
 class PictureDifference:
@@ -619,8 +620,8 @@ def export_html(
     blend: Optional[bool] = ..., window: Optional[ArrayLike] = ..., bands: Optional[Sequence[Any]] = ..., threshold: Optional[float] = ...,
     unit_distance: Optional[float] = ..., light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ...,
     light_from: Optional[ArrayLike] = ..., ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ...,
-    light_weights: Optional[ArrayLike] = ..., slabs: Optional[int] = ..., precision: Optional[float] = ..., clip: Optional[ArrayLike] = ...,
-    clip_planes: Optional[ArrayLike] = ...,
+    asymmetry: Optional[float] = ..., light_weights: Optional[ArrayLike] = ..., slabs: Optional[int] = ...,
+    precision: Optional[float] = ..., clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ...,
 ) -> dict[str, int]: ...
 def export_splats(
     model: Gaussians,

@@ -49,6 +49,9 @@ void validate(const VolumeLook& look) {
     if (look.octaves < 1 || look.octaves > kMostOctaves)
         throw Error(fmt::format("light: {} octaves of scattering, expected 1 to {}", look.octaves,
                                 kMostOctaves));
+    if (!(look.asymmetry > -1 && look.asymmetry < 1))
+        throw Error(fmt::format("light: asymmetry {} of scattering, expected between -1 and 1",
+                                look.asymmetry));
     for (int axis = 0; axis < 3; ++axis)
         if (!std::isfinite(look.towards_light[axis]))
             throw Error(fmt::format("light: direction {},{},{}, expected finite numbers",

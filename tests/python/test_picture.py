@@ -68,7 +68,7 @@ def test_a_request_draws_the_same_picture_again(sources, kind, show):
         {"field": "heat", "show": "maximum", "units": "mK", "slabs": 7},
         {"field": "heat", "show": "volume", "light": (1, 2, 3), "light_weights": (0.2, 0.6, 0.3, 8), "threshold": 290},
         {"show": "volume", "field": "density", "window": (0.5, 0.4), "unit_distance": 2, "precision": 0},
-        {"show": "volume", "field": "density", "shadows": True, "light_from": (1, 2, 3), "scattering": 4, "ambient_occlusion": True},
+        {"show": "volume", "field": "density", "shadows": True, "light_from": (1, 2, 3), "scattering": 4, "asymmetry": 0.3, "ambient_occlusion": True},
         {"show": "volume", "bands": [(0.1, 0.3, (0, 0, 1), 0.2), (0.3, np.inf, (1, 1, 0), 0.6)], "field": "density"},
         {"show": "volume", "tf": np.array([[0, 0, 0, 0], [1, 0.5, 0, 0.5], [1, 1, 1, 1]]), "field": "density", "range": (0.1, 0.9)},
         {"extinction": 3, "blend": True, "background": (0.2, 0.4, 1), "tf": np.array([[0, 0, 1], [1, 0, 0]]), "kappa": 0.1},
@@ -206,7 +206,7 @@ def test_recolor_refuses_what_is_to_be_drawn(gas):
     "light, members",
     [
         (vog.Light((1, 2, 3)), {"shadows": True, "light_from": (1, 2, 3)}),
-        (vog.Light(scattering=4, ambient_occlusion=True), {"shadows": True, "scattering": 4, "ambient_occlusion": True}),
+        (vog.Light(scattering=4, ambient_occlusion=True, asymmetry=0.5), {"shadows": True, "scattering": 4, "ambient_occlusion": True, "asymmetry": 0.5}),
         (vog.Light((1, 2, 3), surfaces=True, weights=(0.1, 0.8, 0.2, 9)), {"light": (1, 2, 3), "shadows": True, "light_weights": (0.1, 0.8, 0.2, 9)}),
         (vog.Light(surfaces=True, shadows=False), {"light": "head"}),
     ],
@@ -333,7 +333,7 @@ BAD = [
     # Keywords without effect on T.
     *(({key: value}, f"{key} has no effect on show 'T', expected ") for key, value in (
         ("field", "heat"), ("range", (0, 1)), ("scale", "log"), ("window", (1, 2)), ("bands", [(0, 1, (1, 1, 1), 1)]), ("threshold", 1),
-        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("ambient_occlusion", True), ("scattering", 2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
+        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("ambient_occlusion", True), ("scattering", 2), ("asymmetry", 0.2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
     ({"show": "column", "extinction": 2}, "extinction has no effect on show 'column'"), ({"show": "volume", "blend": True}, "blend has no effect"),
 ]  # fmt: skip
 

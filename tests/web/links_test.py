@@ -127,7 +127,7 @@ class Links(NodeTest):
         self.assertEqual(self.state("#show=volume&light=studio", '{"show": "volume"}')["light"], {**light, "shadows": False, "occlusion": False, "scattering": 1, "towards": [0] * 3})
 
     def test_members_of_shadows_are_refused_without_them(self):
-        for words in ("light_from=1,2,3", "scattering=3", "shadows&light=head&light_from=1,2,3"):
+        for words in ("light_from=1,2,3", "scattering=3", "asymmetry=0.5", "shadows&light=head&light_from=1,2,3"):
             self.state(f"#show=volume&{words}")
             self.assertEqual(len(self.value("problems")), 1, words)
             self.assertIn("has no effect", self.value("problems[0]"))
@@ -135,7 +135,7 @@ class Links(NodeTest):
     def test_a_link_is_the_picture_again(self):
         written = "writeLink(page, state, {scale: automaticScale(page.models, state, state.scale?.log), size: [40, 80], background: [1, 1, 1, 1], streamed: false})"
         for begun in ("#show=mean&field=heat&tf=viridis&range=290,300", "#show=volume&field=heat&light=1,2,3&light_weights=0.1,0.2,0.3,4", "#blend&exposure=2",
-                      "#show=volume&shadows&light_from=1,2,3&scattering=2", "#show=volume&light=head&shadows&ambient_occlusion", "#show=volume&light=studio",
+                      "#show=volume&shadows&light_from=1,2,3&scattering=2&asymmetry=0.4", "#show=volume&light=head&shadows&ambient_occlusion", "#show=volume&light=studio",
                       '#show=volume&tf={"domain":[0,1],"unit_distance":2,"colors":[[0,1,0,0],[1,1,1,1]],"opacity":[[0,0],[1,1]]}',
                       "#show=column&clip=0,0,0,1,2,3&clip_planes=1,2,3,4&planes_off=[[0,1,0,0.5]]&camera.orthographic_width=7",
                       '#show=column&tf={"name":"two","colors":[[0,0.5,0,0],[1,1,1,1]]}'):

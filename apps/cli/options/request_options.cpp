@@ -16,8 +16,9 @@ namespace {
 /// Members that few pictures need: --set NAME=VALUE.
 bool is_setting(const std::string& key) {
     static const std::set<std::string> keys{
-        "least_column", "light_weights", "scattering",         "kappa",    "aabb_sigma", "step",
-        "anyhit",       "hits_per_slab", "stop_transmittance", "precision"};
+        "least_column",  "light_weights",      "scattering", "asymmetry",
+        "kappa",         "aabb_sigma",         "step",       "anyhit",
+        "hits_per_slab", "stop_transmittance", "precision"};
     return keys.contains(key);
 }
 

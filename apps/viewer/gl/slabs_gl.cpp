@@ -218,6 +218,7 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     const device::BlinnPhong look = by_value::blinn_phong(volume.picture.request.look);
     program.set("lighting", f(look.ambient), f(look.diffuse), f(look.specular),
                 look.on ? f(look.power) : 0);
+    program.set("asymmetry", f(look.asymmetry));
     const Vec3d to{look.towards_light.x, look.towards_light.y, look.towards_light.z};
     program.set("towards_light",
                 Vec3d{dot(to, frame.right), dot(to, frame.up), dot(to, frame.forward)});

@@ -74,7 +74,12 @@ void edit_light(Session& session, Gui& gui) {
         ImGui::SetTooltip("Light is absorbed on its way; first from the upper left of this view");
     ImGui::Checkbox("ambient occlusion", &look.occlusion);
     mark(gui, "ambient occlusion");
-    if (look.shadows) ImGui::SliderInt("scattering", &look.octaves, 1, kMostOctaves / 2);
+    if (look.shadows) {
+        ImGui::SliderInt("scattering", &look.octaves, 1, kMostOctaves / 2);
+        auto asymmetry = static_cast<float>(look.asymmetry);
+        if (ImGui::SliderFloat("asymmetry", &asymmetry, -0.9f, 0.9f, "%.2f"))
+            look.asymmetry = double{asymmetry};
+    }
     if (!look.light && !look.shadows && !look.occlusion) return;
     const auto weight = [&](const char* name, double& value, double most) {
         auto shown = static_cast<float>(value);

@@ -20,7 +20,8 @@ inline device::BlinnPhong blinn_phong(const VolumeLook& look) {
             directed ? look.ambient : look.ambient + look.diffuse,
             directed ? look.diffuse : 0,
             look.specular,
-            look.power};
+            look.power,
+            directed ? look.asymmetry : 0};
 }
 
 /// Light and weights of a picture.

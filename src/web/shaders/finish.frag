@@ -15,6 +15,7 @@ uniform vec2 size_px, jitter_px;
 uniform float first_row;        // of the image, in the target's row 0
 uniform float pixels_per_unit;
 uniform float parallel;         // 1: parallel rays
+uniform float asymmetry;        // of the phase function
 uniform vec4 lighting;          // ambient, diffuse, specular, power; no surfaces: power 0
 uniform vec3 towards_light;     // along right, up and forward; 0: the eye
 uniform highp sampler2D ranges; // of all depths: minus the least, the largest
@@ -104,13 +105,15 @@ vec2 reached_in(float slab, float parts, float seen, vec3 along) {
 // Blinn and Phong's shading (render/device/light/shading.h), along the camera's axes; at most what is absorbed.
 vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye, vec2 arrives) {
     float steepness = length(gradient);
+    vec3 to = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
     if (lighting.w == 0.0 || !(steepness > 0.0)) {
-        float whole = lighting.x + lighting.y;
-        return reaches == 0.0 || !(whole > 0.0) ? light : vec4(dot(lighting.yx, arrives) / whole * light.rgb, light.a);
+        float whole = lighting.x + lighting.y, g = asymmetry, turn = dot(to, towards_eye);
+        if (reaches == 0.0 || !(whole > 0.0)) return light;
+        arrives.x *= (1.0 - g * g) * pow(1.0 + g * g + 2.0 * g * turn, -1.5);  // the phase function
+        return vec4(min(dot(lighting.yx, arrives) / whole * light.rgb, light.a), light.a);
     }
     vec3 normal = gradient / steepness;
     if (dot(normal, towards_eye) < 0.0) normal = -normal;
-    vec3 to = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
     float facing = max(dot(normal, to), 0.0);
     vec3 between = to + towards_eye;
     float mirrored = facing > 0.0 ? clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0.0;

@@ -125,6 +125,32 @@ TEST(light, passes_a_box_of_one_extinction_by_its_depth) {
     EXPECT_NEAR(edge, alpha * (0.3 + 0.7 * std::exp(-kExtinction * 1.5)), 0.02);
 }
 
+TEST(light, is_scattered_forward_by_its_phase_function) {
+    const Volume volume = cube(32);
+    const VoxelField field = own();
+    Camera camera;
+    camera.eye = {15.5, 15.5, 100}, camera.look_at = {15.5, 15.5, 0};
+    camera.orthographic_width = 32;
+    for (const double g : {0.0, 0.6, -0.4})
+        for (const Vec3d& towards : {Vec3d{0, 0, 1}, Vec3d{0, 0, -1}, Vec3d{0, 3, 0}}) {
+            VolumeLook look = shadows(towards);
+            look.asymmetry = g;
+            const Rgba pixel = render_volume_reference({&volume, 1}, {&field, 1}, white(1e-5),
+                                                       camera, 32, 32, {}, look)
+                                   .pixel[16 * 32 + 16];
+            // Light that comes from behind goes straight on.
+            const double turn = -normalized(towards).z;
+            const double phase = (1 - g * g) / std::pow(1 + g * g - 2 * g * turn, 1.5);
+            const double seen = std::min(look.ambient + look.diffuse * phase, 1.0);
+            EXPECT_NEAR(pixel.r / pixel.a, seen, 2e-3) << g << ' ' << turn;
+        }
+    VolumeLook look = shadows({1, 0, 0});
+    for (const double g : {-1.0, 1.0, std::nan("")}) {
+        look.asymmetry = g;
+        EXPECT_THROW(validate(look), Error);
+    }
+}
+
 TEST(light, reaches_the_middle_of_a_sphere_from_all_sides) {
     constexpr double kRadius = 20, kExtinction = 0.06;
     const auto inside = [](Vec3d at) { return length(at - Vec3d{23.5, 23.5, 23.5}) < kRadius; };
@@ -211,7 +237,7 @@ TEST(light, every_renderer_of_models_has_the_same_light) {
     VolumeLook all = shadows({1, 2, -1});
     all.light = all.occlusion = true;
     VolumeLook clipped = shadows({-1, 0.5, 0});
-    clipped.octaves = 4;
+    clipped.octaves = 4, clipped.asymmetry = 0.5;
     clipped.clip.planes.push_back({{1, 0, 0}, model.origin.x});
     for (Camera camera : {from({2, 1.5, 3}), from({1, 2, 3}, 3), from({0.3, 0.2, 0.5})})
         for (const VolumeLook& look : {shadows({1, 2, 1}), occlusion(), all, clipped}) {

@@ -84,7 +84,7 @@ std::span<const RequestRule> request_rules() {
         {"scale=symmetric", "show", "mean deviation maximum slice"},
         {"interpolation=linear", "show", "T column mean deviation volume"},
         {"light_weights", "light shadows ambient_occlusion", "*"},
-        {"light_from scattering", "shadows light=studio", "*"},
+        {"light_from scattering asymmetry", "shadows light=studio", "*"},
         {"tf range scale", "window", "-"},
         {"tf range scale window", "bands", "-"},
         {"field tf range scale window bands threshold unit_distance", "layers", "-"},

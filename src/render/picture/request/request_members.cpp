@@ -236,6 +236,16 @@ std::vector<Entry> volume_entries() {
           {},
           "volume"},
          plain(VOG_MEMBER(look.octaves), {1, kMostOctaves, "1 to 16"})},
+        {{"asymmetry",
+          kVolume,
+          "G",
+          "Asymmetry of the phase function (Henyey and Greenstein) that `shadows` are seen by: "
+          "above "
+          "0 light goes on forward, and edges in front of it shine; 0.6 suits clouds",
+          "0",
+          {},
+          "volume"},
+         plain(VOG_MEMBER(look.asymmetry), {-0.99, 0.99, "-0.99 to 0.99"})},
         {{"light_weights",
           kVolume,
           "AMBIENT,DIFFUSE,SPECULAR,POWER",

@@ -213,7 +213,7 @@ HWY_INLINE void composite_part(D d, const SlabLight& of, const MomentLanes<V>& m
                                hn::Div(hn::Sub(part, passed), absorbed));
         const ReachedLanes<V> arrives = reached(share);
         of.look.on ? shade(d, of.look, m.gradient, rays, n, arrives, light)
-                   : spread(d, of.look, arrives, light);
+                   : spread(d, of.look, rays, n, arrives, light);
     } else if (of.look.on) {
         shade(d, of.look, m.gradient, rays, n, {one, one}, light);
     }

@@ -216,16 +216,28 @@ void begin_cell(D d, const CameraFrame& frame, SlabCell& cell, CellView& view) {
         cell.seen[channel].fill(channel == 3 ? 1.0f : 0.0f);
 }
 
-/// BlinnPhong::spread: no surfaces.
+/// BlinnPhong::spread: no surfaces; the colours at most what is absorbed.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void spread(D d, const device::BlinnPhong& look, const ReachedLanes<V>& reached,
-                       LightLanes<V>& light) {
+HWY_INLINE void spread(D d, const device::BlinnPhong& look, const CellRays& rays, std::size_t n,
+                       const ReachedLanes<V>& reached, LightLanes<V>& light) {
     const double whole = look.ambient + look.diffuse;
     if (!(whole > 0)) return;
-    const V body =
-        hn::MulAdd(hn::Set(d, static_cast<float>(look.ambient / whole)), reached.ambient,
-                   hn::Mul(hn::Set(d, static_cast<float>(look.diffuse / whole)), reached.direct));
-    for (int c = 0; c < 3; ++c) light.c[c] = hn::Mul(light.c[c], body);
+    const auto set = [&](double v) { return hn::Set(d, static_cast<float>(v)); };
+    V direct = hn::Mul(set(look.diffuse / whole), reached.direct);
+    if (look.asymmetry != 0) {
+        // BlinnPhong::phase
+        const double g = look.asymmetry;
+        const auto& to = look.towards_light;
+        const V along =
+            hn::MulAdd(set(to.x), hn::Load(d, rays.right.data() + n),
+                       hn::MulAdd(set(to.y), hn::Load(d, rays.down.data() + n), set(to.z)));
+        const bool head = !(dot(to, to) > 0);
+        const V cosine = head ? set(-1) : hn::Div(along, hn::Load(d, rays.length.data() + n));
+        const V gap = hn::NegMulAdd(set(2 * g), cosine, set(1 + g * g));
+        direct = hn::Mul(direct, hn::Div(set(1 - g * g), hn::Mul(gap, hn::Sqrt(gap))));
+    }
+    const V body = hn::MulAdd(set(look.ambient / whole), reached.ambient, direct);
+    for (int c = 0; c < 3; ++c) light.c[c] = hn::Min(hn::Mul(light.c[c], body), light.c[3]);
 }
 
 /// BlinnPhong::shading, with the colours at most what is absorbed.
@@ -261,7 +273,7 @@ HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, co
     const V shine = hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)),
                                        hn::Mul(hn::Mul(set(look.specular), power), reached.direct));
     LightLanes<V> plain = light;
-    spread(d, look, reached, plain);
+    spread(d, look, rays, n, reached, plain);
     for (int c = 0; c < 3; ++c) {
         const V shaded = hn::MulAdd(body, light.c[c], hn::Mul(shine, light.c[3]));
         light.c[c] = hn::IfThenElse(any, hn::Min(shaded, light.c[3]), plain.c[c]);

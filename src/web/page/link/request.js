@@ -148,11 +148,12 @@ export function partOfRequest(page, state, request, home) {
   take('shadows', 'true or false', (on) => flag('shadows', on), unlit({ shadows: false }));
   take('ambient_occlusion', 'true or false', (on) => flag('occlusion', on), unlit({ occlusion: false }));
   take('scattering', `1 to ${mostOctaves}`, (n) => (Number.isInteger(n) && n >= 1 && n <= mostOctaves ? lit({ scattering: n }) : null), unlit({ scattering: 1 }));
+  take('asymmetry', '-0.99 to 0.99', (g) => (Math.abs(g) < 1 ? lit({ asymmetry: g }) : null), unlit({ asymmetry: 0 }));
   const { on } = part.light ?? state.light, own = (towards) => (on ? {} : lit({ towards }));
   take('light_from', 'a direction x,y,z', (to) => (isDirection(to) ? own(to) : null), own([0, 0, 0]));
   if (on && request.light_from) problems.push('light_from has no effect beside light, which has a direction');
   else if (!(part.light ?? state.light).shadows)
-    for (const key of ['light_from', 'scattering']) if (request[key] && request[key] !== 1) problems.push(`${key} has no effect without shadows`);
+    for (const key of ['light_from', 'scattering', 'asymmetry']) if (request[key] && request[key] !== 1) problems.push(`${key} has no effect without shadows`);
   take('clip', 'x0,y0,z0,x1,y1,z1, the lower corner first', (clip) => {
     const c = Array.isArray(clip) ? clip.flat() : null;
     return areNumbers(c, 6) && [0, 1, 2].every((k) => c[k] < c[k + 3]) ? { clip: { lower: c.slice(0, 3), upper: c.slice(3) } } : null;
@@ -227,11 +228,11 @@ export function requestOf(page, state, { scale, size, background }) {
     Object.assign(request, { range: [low, high], scale: log ? 'log' : 'linear', ...(volume && { unit_distance: unit }) });
   }
   if (volume) {
-    const { on, towards, weights, shadows, occlusion, scattering } = state.light, isAside = length(towards) > 0;
+    const { on, towards, weights, shadows, occlusion, scattering, asymmetry } = state.light, isAside = length(towards) > 0;
     request.light = on ? (isAside ? towards : 'head') : null;
     if (on || shadows || occlusion) request.light_weights = weights;
     if (shadows || page.picture.shadows) request.shadows = shadows;
-    if (shadows) Object.assign(request, { scattering, ...(!on && isAside && { light_from: towards }) });
+    if (shadows) Object.assign(request, { scattering, asymmetry, ...(!on && isAside && { light_from: towards }) });
     if (occlusion || page.picture.ambient_occlusion) request.ambient_occlusion = occlusion;
   }
   if (state.clip || page.picture.clip) request.clip = state.clip ? [...state.clip.lower, ...state.clip.upper] : null;

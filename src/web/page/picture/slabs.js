@@ -206,7 +206,7 @@ export class Slabs {
   }
 
   setFinish(used, model, camera, what, first) {
-    const { right, up, forward } = axesOf(camera), { towards, on, weights: [ambient, diffuse, ...shine], shadows } = what.light, { light, renderer, lattice } = this;
+    const { right, up, forward } = axesOf(camera), { towards, on, weights: [ambient, diffuse, ...shine], shadows, asymmetry } = what.light, { light, renderer, lattice } = this;
     used.use();
     renderer.setScreen(used, model, camera);
     used.set('first_row', first);
@@ -219,6 +219,7 @@ export class Slabs {
     used.set('central', renderer.format.bits === 32 ? 0 : 1);
     // Without a light from a direction all light is ambient.
     used.set('lighting', ...(on || shadows ? [ambient, diffuse] : [ambient + diffuse, 0]), shine[0], on ? shine[1] : 0);
+    used.set('asymmetry', on || shadows ? asymmetry : 0);
     const to = length(towards) > 0 ? normalized(towards) : towards;
     used.set('towards_light', dot(to, right), dot(to, up), dot(to, forward));
     used.setInteger('reached', reachedUnit);

@@ -29,6 +29,7 @@ export interface PictureSettings {
   light_from?: Vector | null;
   ambient_occlusion?: boolean | null;
   scattering?: number | null;
+  asymmetry?: number | null;
   clip?: [number, number, number, number, number, number] | null;
   clip_planes?: [number, number, number, number][] | null;
   camera?: Partial<Camera> | null;
