@@ -115,11 +115,15 @@ HtmlModel prepare_for_site(const std::string& name, Gaussians& model, Hierarchy&
 void require_page(std::span<const HtmlModel> models, const HtmlOptions& options);
 
 /// Writes the page of a site (vog/site.h), `folder`/index.html: the same viewer, which loads the models' chunks from the folder as
-/// views need them.
+/// views need them; and page.json, with which <vog-view> begins.
 /// models   in the order of the site's, of prepare_for_site
 /// throws   vog::Error as write_html
 HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const HtmlModel> models,
                            const HtmlOptions& options = {});
+
+/// View, extinction and ranges of a model with which <vog-view> begins, for VogzOptions::page: JSON.
+/// model  of prepare_for_site
+std::string page_of_file(const HtmlModel& model);
 
 /// Address from which a page loads its models.
 struct HtmlSource {

@@ -29,6 +29,8 @@ struct VogzOptions {
     VogzPrecision precision;
     /// Entropy coder deflate, which browsers have built in, in place of zstd: slower, and of the same size.
     bool deflate = false;
+    /// First view, extinction and ranges for <vog-view>: JSON of page_of_file (vog/export_html.h); empty: it refuses the file.
+    std::string page{};
 };
 
 /// Bytes of a compact file.

@@ -265,9 +265,11 @@ Json entries_json(std::span<const HtmlModel> models, const HtmlOptions& options,
     return entries;
 }
 
-/// The page's JSON without its models.
-Json page_json(const Gaussians& first, const HtmlOptions& options) {
-    const Camera camera = first_view(first, options);
+/// A page's JSON.
+/// site  where its models lie; null: in the page, and their levels are appended to `data`
+Json page_json(std::span<const HtmlModel> models, const HtmlOptions& options, const Json& site,
+               std::string& data) {
+    const Camera camera = first_view(models.front().levels.front(), options);
     const Rgba& ground = options.shading.background;
     std::string map_name;
     Json page = {{"title", options.title},
@@ -283,7 +285,19 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
     page["slabs"] = {options.quantity.slabs.value_or(kVolumeSlabs), options.quantity.maximum_slabs,
                      options.quantity.slabs.value_or(kLitSlabs)};
     page["steps"] = options.steps;
+    if (!site.is_null()) page["site"] = site;
+    page["models"] = entries_json(models, options, !site.is_null(), data);
     return page;
+}
+
+/// What a view of a page's models begins with, for <vog-view>: JSON.
+std::string beginning(Json page) {
+    for (Json& model : page["models"])
+        for (Json& field : model["fields"]) field.erase("histogram"), field.erase("logHistogram");
+    return script_json({{"camera", page["picture"]["camera"]},
+                        {"upright", page["upright"]},
+                        {"chosenView", page["chosenView"]},
+                        {"models", page["models"]}});
 }
 
 /// Writes a page.
@@ -323,8 +337,7 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
                       const HtmlOptions& options) {
     check(models, options);
     std::string data;
-    Json page = page_json(models.front().levels.front(), options);
-    page["models"] = entries_json(models, options, false, data);
+    const Json page = page_json(models, options, nullptr, data);
     HtmlReport report = write_page(file, options, page, std::move(data), "");
     for (const HtmlModel& model : models) report.gaussians += model.levels.front().size();
     return report;
@@ -338,10 +351,15 @@ HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const 
                            const HtmlOptions& options) {
     check(models, options);
     std::string data;
-    Json page = page_json(models.front().levels.front(), options);
-    page["site"] = {{"manifest", "manifest.json"}, {"base", ""}};
-    page["models"] = entries_json(models, options, true, data);
+    const Json page =
+        page_json(models, options, {{"manifest", "manifest.json"}, {"base", ""}}, data);
+    write_file(folder / "page.json", [&](std::ofstream& out) { out << beginning(page) << "\n"; });
     return write_page(folder / "index.html", options, page, "", "'self'");
+}
+
+std::string page_of_file(const HtmlModel& model) {
+    std::string data;
+    return beginning(page_json({&model, 1}, {}, {{"file", model.name}}, data));
 }
 
 HtmlReport write_streaming_page(const std::filesystem::path& file,
@@ -350,11 +368,9 @@ HtmlReport write_streaming_page(const std::filesystem::path& file,
     const std::string connect = allowed_origin(source);
     check(models, options);
     std::string data;
-    Json page = page_json(models.front().levels.front(), options);
-    page["site"] = source.file ? Json{{"file", source.url}}
-                               : Json{{"manifest", "manifest.json"}, {"base", source.url}};
-    page["models"] = entries_json(models, options, true, data);
-    return write_page(file, options, page, "", connect);
+    const Json site = source.file ? Json{{"file", source.url}}
+                                  : Json{{"manifest", "manifest.json"}, {"base", source.url}};
+    return write_page(file, options, page_json(models, options, site, data), "", connect);
 }
 
 }  // namespace vog

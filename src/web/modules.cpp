@@ -8,7 +8,6 @@
 #include <span>
 #include <string_view>
 
-#include "render/pixel_limits.h"
 #include "vog/export_html.h"
 #include "vog/picture.h"
 #include "vog/volume_picture.h"
@@ -35,8 +34,8 @@ constexpr const char* kStreamModules[] = {"rows.js",   "cut.js",   "visibility.j
                                           "source.js", "store.js", "loading.js",    "site.js"};
 /// Those of pages that stream a compact file by ranges.
 constexpr const char* kRangeModules[] = {"file_tree.js", "range_file.js"};
-/// Those of the element.
-constexpr const char* kElementModules[] = {"defaults.js", "element.js"};
+/// That of the element.
+constexpr const char* kElementModules[] = {"element.js"};
 /// Those of a whole page.
 constexpr const char* kPageModules[] = {
     "levels.js",  "status.js", "editor.js", "clip_controls.js", "controls.js", "overlay.js",
@@ -174,18 +173,11 @@ std::string view_module() {
     for (const std::string& name : transfer_function_names())
         maps.push_back(map_json(named_transfer_function(name)));
     const VolumeLook look;
-    // Squares of deviations on the screen, of any cutoff.
-    const auto squares = [](const PixelLimits& limits) {
-        return Json{limits.least2 * limits.variance, limits.sampled2 * limits.variance};
-    };
-    constexpr double kAnyCutoff = 2;
-    const Json page{
-        {"maps", maps},
-        {"map", kDefaultMap},
-        {"slabs", {kVolumeSlabs, kMaximumSlabs, kLitSlabs}},
-        {"leastColumn", kLeastColumn},
-        {"lightWeights", {look.ambient, look.diffuse, look.specular, look.power}},
-        {"limits", {squares(pixel_limits(kAnyCutoff)), squares(subframe_limits(kAnyCutoff))}}};
+    const Json page{{"maps", maps},
+                    {"map", kDefaultMap},
+                    {"slabs", {kVolumeSlabs, kMaximumSlabs, kLitSlabs}},
+                    {"leastColumn", kLeastColumn},
+                    {"lightWeights", {look.ambient, look.diffuse, look.specular, look.power}}};
     std::string end = without_comments(web_file("vog-view.js"));
     end.erase(0, end.find('\n', end.rfind("\nimport ") + 1) + 1);  // all is in this module
     return "// vog-view.js: the element <vog-view> (docs/web_element.md of vog).\n" +

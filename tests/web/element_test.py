@@ -109,6 +109,7 @@ class Pictures(ElementTest):
         page = json.loads(re.search('id="page">(.*?)</script>', (self.folder / "page.html").read_text())[1])
         model, near = page["models"][0], lambda a, b, share: self.assertLess(max(abs(x - y) for x, y in zip(a, b)), share * max(map(abs, b)))
         found = self.value("view().request")
+        # Of the model's coarse nodes in place of all Gaussians.
         near([found["extinction"]], [model["extinction"]], 1e-3)
         near(found["camera"]["eye"], page["picture"]["camera"]["eye"], 1e-9)
         self.assertEqual(found["tf"], page["map"])
@@ -398,8 +399,9 @@ class Security(ElementTest):
             self.host(f'<vog-view src="{src}" subframes="1"></vog-view>')
             if src == "large/":
                 root = json.loads((self.folder / "large/manifest.json").read_text())["models"][0]["root"]
-                self.assertEqual([path for path in self.server.paths if path.startswith("/large/")][1], f"/large/chunks/{root['name']}.vogz")
-                data = packed((self.folder / "large/manifest.json").read_bytes()) + root["bytes"][0]
+                paths = [path for path in self.server.paths if path.startswith("/large/")]
+                self.assertEqual(sorted(paths[:2]) + paths[2:3], ["/large/manifest.json", "/large/page.json", f"/large/chunks/{root['name']}.vogz"])
+                data = sum(packed((self.folder / "large" / name).read_bytes()) for name in ("manifest.json", "page.json")) + root["bytes"][0]
             else:
                 data = asked[0][1] + sum(size for at, size in asked[1:] if at < asked[1][0] + 0.9 * pause_s)
             self.hold(f"bytes before the first picture of {src}", packed(MODULE.read_bytes()) + data, 150_000)
@@ -468,10 +470,18 @@ class Failures(ElementTest):
         (self.folder / "text.vogz").write_text("no model")
         (self.folder / "no").mkdir(exist_ok=True)
         (self.folder / "no/manifest.json").write_text("<!doctype html>")
-        (self.folder / "other.json").write_text('{"format": "vog site", "version": 1, "models": [{"name": "a", "cutoff": "wide", "origin": [0, 0, 0]}]}')
+        vog("pack", "plume.ply", "-o", "bare.vogz", "--deflate")
+        for name in "old", "wide":
+            shutil.copytree(self.folder / "site", self.folder / name, dirs_exist_ok=True)
+        (self.folder / "old/page.json").unlink()
+        page = json.loads((self.folder / "site/page.json").read_text())
+        page["models"][0]["cutoff"] = "wide"
+        (self.folder / "wide/page.json").write_text(json.dumps(page))
         for src, part in (("text.vogz", "text.vogz: 8 bytes that begin no compact model"), ("missing.vogz", "missing.vogz: HTTP 404"),
                           ("no/", "manifest.json: 15 bytes that are no JSON, expected the description of a site"),
-                          ("other.json", 'a: cutoff: "wide", expected above 0, at most 8'),
+                          ("wide/", 'page.json: models[0]: cutoff: "wide", expected a number'),
+                          ("old/", "page.json: HTTP 404, expected that of vog page, which writes it beside the models"),
+                          ("bare.vogz", "bare.vogz: page: nothing, expected that of vog pack MODEL -o FILE.vogz --hierarchy --deflate"),
                           ("plume.ply", "plume.ply: expected a compact file, FILE.vogz, or the folder of a site, which ends in /"),
                           ("http://", "Invalid URL")):
             self.assertIn(part, self.failed(src))

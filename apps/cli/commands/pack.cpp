@@ -13,6 +13,7 @@
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
 #include "vog/error.h"
+#include "vog/export_html.h"
 #include "vog/picture.h"
 #include "vog/vogz_fit.h"
 
@@ -121,6 +122,8 @@ Json write_compact(Gaussians model, const PackArguments& arguments, Stages& stag
     if (arguments.hierarchy) {
         keep_dense(model, output);
         hierarchy = stages.run("hierarchy", [&] { return build_hierarchy(model); });
+        if (options.deflate)
+            options.page = page_of_file(prepare_for_site(model_name(output), model, hierarchy));
     }
     const VogzReport made =
         stages.run("save", [&] { return write_vogz(output, model, hierarchy, options); });

@@ -78,6 +78,7 @@ Json to_json(const FileTable& table) {
         json["fields"][n]["scale"] = table.fields[n].unit;
         json["fields"][n]["step"] = table.fields[n].step;
     }
+    if (!table.page.empty()) json["page"] = Json::parse(table.page);
     if (!table.tree.empty()) json["tree"] = tree_json(table.tree);
     return json;
 }

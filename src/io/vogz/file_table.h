@@ -48,6 +48,7 @@ struct FileTable {
     ShapeRounding shapes;
     std::vector<FieldRounding> fields;  ///< scalar ones first
     std::vector<Blob> blobs;
+    std::string page;               ///< VogzOptions::page; by writing alone
     std::vector<TreeChunk> tree;    ///< of each run of Gaussians or nodes in turn; empty: not known
     std::uint64_t body_offset = 0;  ///< of the first blob; by reading alone
 

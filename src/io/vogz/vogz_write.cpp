@@ -227,6 +227,7 @@ Coding coded(const Gaussians& model, const Hierarchy& hierarchy, const VogzOptio
     table.rotated = !model.axis_aligned();
     table.compression = options.deflate ? Compression::deflate : Compression::zstd;
     table.precision = options.precision;
+    table.page = options.page;
     table.shapes = shape_rounding(model, options.precision.step);
     for (const ScalarField& field : model.fields.scalar)
         table.fields.push_back(field_rounding(field, options.precision.field_step));

@@ -208,7 +208,7 @@ export function rotationAxes([w, x, y, z]) {
 }
 
 /** Variance along an axis within a cutoff, for a deviation of 1 (vog/gaussians.h). */
-export function varianceWithin(cutoff) {
+function varianceWithin(cutoff) {
   let [mass, second] = [0, 0];
   for (let n = 0.5; n < 4096; ++n) {
     const r2 = ((n * cutoff) / 4096) ** 2, shell = r2 * Math.exp(-0.5 * r2);

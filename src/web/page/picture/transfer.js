@@ -71,7 +71,7 @@ export function lightOf({ colors, opacity, unit }, source) {
 }
 
 /** Error function: Abramowitz and Stegun 7.1.26, of absolute error below 1.5e-7. */
-export function erf(x) {
+function erf(x) {
   const t = 1 / (1 + 0.3275911 * Math.abs(x));
   const sum = ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
   return Math.sign(x) * (1 - sum * Math.exp(-x * x));

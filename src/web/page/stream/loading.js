@@ -9,8 +9,7 @@ export class Loading {
   /**
    * store  of store.js
    * source  of source.js or range_file.js
-   * hooks  {renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, field, line): why not; measure(n, instances): of the
-   *        coarsest chunk of a model whose extinction is not known}
+   * hooks  {renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, field, line): why not}
    */
   constructor(page, source, decoder, store, hooks) { Object.assign(this, { page, source, decoder, store, hooks, decoding: 0 }); }
 
@@ -77,7 +76,6 @@ export class Loading {
     if (kept.shapes && !kept.gpu)
       this.once(chunk, null, ['decodeLevel', this.source.shapesOf(chunk, kept.shapes), { center, unit }, extinction], (instances, renderer) => {
         if (instances.length !== chunk.gaussians * instanceFloats) throw new Damaged();
-        if (this.page.models[n].isMeasured === false) this.hooks.measure(n, instances);
         kept.gpu = renderer.upload(instances);
         if (!chunk.parent) kept.coarse ??= { instances, fields: new Map() };
         this.decode(chunk, n, field);

@@ -1,7 +1,7 @@
 // range_file.js: a compact file (.vogz) on a web server, read by ranges of bytes: its header, then the runs that a view needs. A server
 // that answers with the whole file in place of a range is taken at its word, where the file is small.
 import { Damaged } from '../model/columns.js';
-import { headerOf, kinds, startOf } from '../model/vogz.js';
+import { headerOf, startOf } from '../model/vogz.js';
 import { treeOf } from './file_tree.js';
 import { Failure, answered, whole } from './requests.js';
 
@@ -105,6 +105,8 @@ export class RangeFile {
 
   first() { return { url: this.base.href, name: this.name, bytes: undefined, cache: 'no-cache', read: (how) => this.header(how) }; }
 
+  beside() { return []; }
+
   /** Description and table of what first() has brought. */
   async described(bytes) {
     try {
@@ -114,9 +116,8 @@ export class RangeFile {
     }
   }
   async models(bytes) {
-    const { file, rows } = await this.described(bytes), name = this.name.replace(/\.vogz$/, '');
-    const ends = [0, 1, 2, 3, 4, 5].map((k) => (k < 3 ? Math.min : Math.max)(...rows.filter(({ kind }) => kind === kinds.gaussians).map(({ box }) => box[k])));
-    return { models: [{ ...file, name, ends }], steps: false };
+    const { file } = await this.described(bytes);
+    return { models: [{ ...file, name: this.name.replace(/\.vogz$/, '') }], steps: false, about: file.page ?? null };
   }
 
   async trees(bytes, page) {

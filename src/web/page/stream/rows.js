@@ -94,18 +94,14 @@ export function checkFields(fields, of, where) {
   });
 }
 
-/** Models of a manifest, each with the `ends` of its box, and whether they are steps in time. */
+/** Models of a manifest, and whether they are steps in time. */
 export function modelsOf(bytes, where) {
   const json = parsedJson(bytes, where);
   if (!isObject(json) || json.format !== format) refuse(`${where}: format`, json?.format, `'${format}'`);
   if (json.version !== version) refuse(`${where}: version`, json.version, `${version}: take the viewer and the model from one export`);
   const { models, steps } = json;
   if (!Array.isArray(models) || models.length === 0 || models.length > mostModels) refuse(`${where}: models`, models?.length, `1 to ${mostModels}`);
-  models.forEach((model, n) => {
-    const at = `${where}: models[${n}]`;
-    if (!isObject(model)) refuse(at, model, 'a model');
-    model.ends = model.root?.box;
-  });
+  models.forEach((model, n) => { if (!isObject(model)) refuse(`${where}: models[${n}]`, model, 'a model'); });
   return { models, steps: steps === true };
 }
 

@@ -24,11 +24,15 @@ const soonMs = 15;                                 // from an arrival to the nex
 /** Where a site says that its models lie. */
 export const placeOf = (site) => (site.file ? new RangeFile(site.file) : new Folder(site));
 
-/** Bytes that describe all others of a source. */
-export const firstOf = (source, requests) => new Promise((done, fail) => {
-  const first = source.first();
-  requests.plan([{ ...first, isFirst: true, done, failed: (_, reason) => fail(new Error(`${first.name}: ${reason}${source.hint}`)) }]);
-});
+/** Promises of the bytes of files that nothing comes before. */
+export function asked(source, requests, files) {
+  const list = [], all = files.map((file) => new Promise((done, fail) => {
+    list.push({ ...file, isFirst: true, done, failed: (_, reason) => fail(new Error(`${file.name}: ${reason}${file.hint ?? source.hint}`)) });
+  }));
+  for (const one of all) one.catch(() => {});  // whoever waits for one may not wait for the others
+  requests.plan(list);
+  return all;
+}
 
 /** A line on a server that does not answer; isFirst: nor has before. */
 export const awayLine = ({ host, origin }, reason, isFirst) => (isFirst && origin !== self.origin
@@ -38,8 +42,8 @@ export const awayLine = ({ host, origin }, reason, isFirst) => (isFirst && origi
 export class Site {
   /**
    * view  {state(), renderer(): null: none; size(): of the picture, pixels; clip(), transfer(), editing(): of what hides, changed(): draw; say(text, seconds),
-   *       fail(text), refuse(): the field cannot be had; show(status of status.js), measure(): as of Loading}
-   * begun page.begun, {source, bytes}: the models' place, and what its first() has brought, where that is known
+   *       fail(text), refuse(): the field cannot be had; show(status of status.js)}
+   * begun page.begun, {source, bytes, loaded}: the models' place, what its first() has brought, and bytes so far, where that is known
    */
   constructor(page, decoder, view) {
     Object.assign(this, { page, view, trees: null, turn: 0, planned: null, drawn: null, version: 0, coarser: 1, moving: false, ahead: [] });
@@ -47,10 +51,10 @@ export class Site {
     this.source = page.begun?.source ?? placeOf(page.site);
     this.store = new Store();
     this.requests = new Requests({ changed: () => this.requested(), away: (isAway, reason) => this.sayAway(isAway, reason) });
-    this.requests.loaded = page.begun?.bytes.length ?? 0;
+    this.requests.loaded = page.begun?.loaded ?? 0;
     this.loading = new Loading(page, this.source, decoder, this.store, {
       renderer: () => view.renderer(), changed: () => this.arrived(),
-      lacks: (chunk, field, line) => this.lacks(chunk, field, line), measure: view.measure,
+      lacks: (chunk, field, line) => this.lacks(chunk, field, line),
     });
   }
 
@@ -78,7 +82,7 @@ export class Site {
     const line = cannotRead(this.source);
     if (line) return this.view.fail(line);
     try {
-      const bytes = this.page.begun?.bytes ?? await firstOf(this.source, this.requests);
+      const bytes = this.page.begun?.bytes ?? await asked(this.source, this.requests, [this.source.first()])[0];
       this.trees = await this.source.trees(bytes, this.page);
     } catch (error) {
       return this.view.fail(`The model cannot be read: ${error.message}`);

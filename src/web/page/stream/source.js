@@ -27,7 +27,9 @@ export class Folder {
   file(name, bytes) { return { url: new URL(name, this.base).href, name, bytes }; }
   /** The file that describes all others; their names are of their content. */
   first() { return { ...this.file(this.manifest), cache: 'no-cache' }; }
-  /** Models of what first() has brought: {models: their descriptions, steps}. */
+  /** What a view begins with, beside first(). */
+  beside() { return [{ ...this.file('page.json'), cache: 'no-cache', hint: ', expected that of vog page, which writes it beside the models' }]; }
+  /** Models of what first() has brought: {models: their descriptions, steps, about: what a view begins with, where it is there}. */
   async models(bytes) { return modelsOf(bytes, this.manifest); }
   /** Trees of chunks, one a model, of what first() has brought; throws Error with a line for the reader. */
   trees(bytes, page) { return treesOf(bytes, this.manifest, page); }

@@ -1,7 +1,8 @@
 // element.js: the element <vog-view>, a view in other people's pages. Its attributes and properties are the words of a request.
 import { Decoder } from '../model/decoder.js';
-import { Site, awayLine, firstOf, placeOf } from '../stream/site.js';
+import { Site, asked, awayLine, placeOf } from '../stream/site.js';
 import { Requests } from '../stream/requests.js';
+import { areNumbers, isObject, parsedJson, refuse } from '../stream/rows.js';
 import { cannotRead } from '../stream/source.js';
 import { pictureWords, readLink, takeWord } from '../link/link.js';
 import { requestOf } from '../link/request.js';
@@ -10,7 +11,6 @@ import { Readout } from '../readout.js';
 import { numberText, shows } from '../quantity.js';
 import { Viewer } from './viewer.js';
 import { motions } from './motions.js';
-import { measureModel, measureShown, pageOf } from './defaults.js';
 
 /** Words of a view beside those of a request: their names in links, and the values of a view without them. */
 const own = {
@@ -43,9 +43,40 @@ function siteOf(address) {
   throw new Error(`${name}: expected a compact file, FILE.vogz, or the folder of a site, which ends in /`);
 }
 
+/** Throws unless numbers are where a view needs them. */
+function checkNumbers(of, counts, where) {
+  for (const [key, count] of Object.entries(counts))
+    if (!areNumbers(count > 1 ? of?.[key] : [of?.[key]], count)) refuse(`${where}: ${key}`, of?.[key], count > 1 ? `${count} numbers` : 'a number');
+}
+
+/**
+ * The page of models that are nothing but an address.
+ * about   what a view of them begins with, as vog page and vog pack have written it: {camera, upright, chosenView, models}
+ * models  their descriptions
+ * site    of Site
+ */
+function pageOf({ lightWeights, ...given }, about, models, { steps, ...site }, name) {
+  if (!isObject(about) || !Array.isArray(about.models) || about.models.length !== models.length)
+    refuse(`${name}: page`, about ?? undefined, `that of ${site.file ? 'vog pack MODEL -o FILE.vogz --hierarchy --deflate' : 'vog page MODEL -o FOLDER/'}`);
+  const { camera, upright, chosenView, models: entries } = about;
+  checkNumbers(about, { upright: 3 }, name);
+  checkNumbers(camera, { eye: 3, look_at: 3, up: 3 }, `${name}: camera`);
+  entries.forEach((entry, n) => {
+    const where = `${name}: models[${n}]`;
+    checkNumbers(entry, { center: 3, unit: 1, cutoff: 1, limits: 4, subframeLimits: 4, extinction: 1, lowColumn: 1, mostColumn: 1 }, where);
+    checkNumbers(entry.box, { center: 3, half: 3, radius: 1 }, `${where}.box`);
+    if (!Array.isArray(entry.fields)) refuse(`${where}.fields`, entry.fields, 'a list');
+    entry.fields.forEach((field, k) => checkNumbers(field, { lower: 1, upper: 1, reference: 1, scale: 1, ...(!field?.vector && { unitDistance: 1, values: 2 }) }, `${where}.fields[${k}]`));
+  });
+  return {
+    ...given, maps: [...given.maps], title: models[0].name, picture: { camera, light_weights: lightWeights }, upright, chosenView: chosenView === true,
+    systemBackground: false, background: [0, 0, 0, 0], steps, site, models: entries.map((entry, n) => ({ ...entry, name: models[n].name, levels: [] })),
+  };
+}
+
 /**
  * The class of the element.
- * given  {shaders: texts by file name, page: as of pageOf, worker(): a new one, or throws}
+ * given  {shaders: texts by file name, page: {maps, map, slabs, leastColumn, lightWeights}, worker(): a new one, or throws}
  */
 export function elementOf(given) {
   class VogView extends (globalThis.HTMLElement ?? Object) {
@@ -200,10 +231,11 @@ export function elementOf(given) {
       if (line) return this.#fail(`${line}.`);
       const requests = new Requests({ changed() {}, away: (isAway, reason) => this.#warn(isAway ? awayLine(source.base, reason, true) : '', 0) });
       signal.addEventListener('abort', () => requests.dispose());
-      const bytes = await firstOf(source, requests), { models, steps } = await source.models(bytes);
+      const [first, page] = asked(source, requests, [source.first(), ...source.beside()]);
+      const bytes = await first, { models, steps, about = parsedJson(await page, 'page.json') } = await source.models(bytes);
       if (signal.aborted) return;
       requests.dispose();
-      this.#start({ ...pageOf(given.page, models, { ...site, steps }), begun: { source, bytes } });
+      this.#start({ ...pageOf(given.page, about, models, { ...site, steps }, source.name ?? 'page.json'), begun: { source, bytes, loaded: requests.loaded } });
     }
 
     #start(page) {
@@ -213,7 +245,7 @@ export function elementOf(given) {
       canvas.setAttribute('aria-describedby', 'described');
       this.shadowRoot.prepend(canvas);
       const view = this.#view = new Viewer(canvas, {
-        page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models: Site, panel: false, measures: { measureModel, measureShown },
+        page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models: Site, panel: false,
       }, {
         say: (text, seconds) => this.#warn(text, seconds), fail: (text) => this.#fail(text), resized: () => this.#resized(canvas), playing: () => false,
         shown: () => this.#changed(), status: (status) => this.#tell('progress', status), ground: (name) => { this.#line.className = name; },
@@ -222,8 +254,6 @@ export function elementOf(given) {
           this.#settle.resolve(this);
           this.#describe();
         },
-        // What needed these numbers is set again; the camera may have been turned since.
-        measured: () => view.apply({ ...nothing(), request: { ...this.#asked.request, camera: undefined } }),
       });
       const { signal } = view.ended;
       // The wheel and vertical swipes are the surrounding page's until the picture has been clicked.

@@ -21,13 +21,13 @@ const rangeOf = ({ reference, scale, isMeasure, background }) => ({ reference, u
 export class Viewer {
   /**
    * given  {page: the description of its models and first picture, shaders: texts by file name, decoder of decoder.js, Models: the class of levels.js or site.js,
-   *        panel: whether controls are shown, measures: {measureModel, measureShown} of defaults.js: of pages that do not have these numbers}
+   *        panel: whether controls are shown}
    * tell   {shown(): the state has changed; resized(); drawn(count): a picture at rest; took(ms): a frame; say(text, seconds): a notice, 0 until the
    *        next; fail(text): no picture; status(of site.js); ground(color): of the background; playing(): whether steps in time run;
    *        probed(): the readout may be shown anew}
    */
-  constructor(canvas, { page, shaders, decoder, Models, panel, measures }, tell) {
-    Object.assign(this, { canvas, page, shaders, decoder, measures, tell, state: firstState(page, panel), renderer: null, slabs: null, half: false, lost: false });
+  constructor(canvas, { page, shaders, decoder, Models, panel }, tell) {
+    Object.assign(this, { canvas, page, shaders, decoder, tell, state: firstState(page, panel), renderer: null, slabs: null, half: false, lost: false });
     Object.assign(this, { automatic: null, drawn: null, count: 0, loads: 0, moving: 0, editing: 0, edited: false, coarse: false, inMotion: false, isHalved: false });
     Object.assign(this, { frame: 0, inFlight: false, frameMs: 0, stale: false, waiting: [], ended: new AbortController(), probe: new Probe() });
     this.authored = this.state.camera;
@@ -35,7 +35,7 @@ export class Viewer {
       state: () => this.state, renderer: () => (this.lost ? null : this.renderer), size: () => [canvas.width, canvas.height],
       clip: () => this.clip, transfer: () => this.transfer, editing: () => this.editing, changed: () => this.redraw(),
       say: tell.say, fail: (text) => tell.fail(`${text}.`), show: tell.status,
-      refuse: (line) => this.refuse('shown', line), measure: (n, instances) => measures.measureModel(this, n, instances),
+      refuse: (line) => this.refuse('shown', line),
     });
     this.size = new ResizeObserver(() => this.fit());
   }
@@ -150,7 +150,6 @@ export class Viewer {
     const share = Math.sqrt(kept || 1) * (this.inMotion && this.isHalved && inSlabs(state.show) ? 0.5 : 1);
     const size = [canvas.width, canvas.height].map((n) => Math.max(1, Math.floor(share * n))), now = sumsOf(state, there.key, size, this.slabCount);
     this.count = there.count;
-    this.measures?.measureShown(this, there.parts);
     renderer.choose(now.of, this.finish);
     renderer.resize(...size);
     if (!this.drawn || !isSame(now.view, this.drawn.view)) {
