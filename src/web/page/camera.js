@@ -152,7 +152,7 @@ export function seenFrom(camera, box, axis, sign, upright) {
 }
 
 /** A vector turned by the shortest rotation from y to a unit vector. */
-export function turnedUpright(v, upright) {
+function turnedUpright(v, upright) {
   const cosine = upright[1];
   if (1 + cosine < 1e-9) return [v[0], -v[1], -v[2]];
   const k = cross([0, 1, 0], upright), once = cross(k, v);
