@@ -6,6 +6,8 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <sstream>
+#include <utility>
 
 #include "io/scan/scan_file.h"
 #include "io/scan/scan_values.h"
@@ -83,51 +85,27 @@ NrrdHead read_nrrd_head(const std::filesystem::path& file) {
 }
 
 Number type_of(const NrrdHead& head) {
-    static const std::map<std::string, Number> kTypes{{"signed char", Number::int8},
-                                                      {"int8", Number::int8},
-                                                      {"int8_t", Number::int8},
-                                                      {"uchar", Number::uint8},
-                                                      {"unsigned char", Number::uint8},
-                                                      {"uint8", Number::uint8},
-                                                      {"uint8_t", Number::uint8},
-                                                      {"short", Number::int16},
-                                                      {"short int", Number::int16},
-                                                      {"signed short", Number::int16},
-                                                      {"signed short int", Number::int16},
-                                                      {"int16", Number::int16},
-                                                      {"int16_t", Number::int16},
-                                                      {"ushort", Number::uint16},
-                                                      {"unsigned short", Number::uint16},
-                                                      {"unsigned short int", Number::uint16},
-                                                      {"uint16", Number::uint16},
-                                                      {"uint16_t", Number::uint16},
-                                                      {"int", Number::int32},
-                                                      {"signed int", Number::int32},
-                                                      {"int32", Number::int32},
-                                                      {"int32_t", Number::int32},
-                                                      {"uint", Number::uint32},
-                                                      {"unsigned int", Number::uint32},
-                                                      {"uint32", Number::uint32},
-                                                      {"uint32_t", Number::uint32},
-                                                      {"longlong", Number::int64},
-                                                      {"long long", Number::int64},
-                                                      {"long long int", Number::int64},
-                                                      {"signed long long", Number::int64},
-                                                      {"signed long long int", Number::int64},
-                                                      {"int64", Number::int64},
-                                                      {"int64_t", Number::int64},
-                                                      {"ulonglong", Number::uint64},
-                                                      {"unsigned long long", Number::uint64},
-                                                      {"unsigned long long int", Number::uint64},
-                                                      {"uint64", Number::uint64},
-                                                      {"uint64_t", Number::uint64},
-                                                      {"float", Number::float32},
-                                                      {"double", Number::float64}};
-    const auto at = kTypes.find(lower_case(head.text("type")));
-    if (at == kTypes.end())
-        head.fail(fmt::format("type '{}', expected integers of 8 to 64 bits, float or double",
-                              printable(head.text("type"), 40)));
-    return at->second;
+    // Names of teem's library, between commas.
+    static constexpr std::pair<Number, const char*> kTypes[] = {
+        {Number::int8, "signed char,int8,int8_t"},
+        {Number::uint8, "uchar,unsigned char,uint8,uint8_t"},
+        {Number::int16, "short,short int,signed short,signed short int,int16,int16_t"},
+        {Number::uint16, "ushort,unsigned short,unsigned short int,uint16,uint16_t"},
+        {Number::int32, "int,signed int,int32,int32_t"},
+        {Number::uint32, "uint,unsigned int,uint32,uint32_t"},
+        {Number::int64,
+         "longlong,long long,long long int,signed long long,signed long long int,int64,int64_t"},
+        {Number::uint64, "ulonglong,unsigned long long,unsigned long long int,uint64,uint64_t"},
+        {Number::float32, "float"},
+        {Number::float64, "double"}};
+    const std::string type = lower_case(head.text("type"));
+    for (const auto& [number, names] : kTypes) {
+        std::istringstream words(names);
+        for (std::string name; std::getline(words, name, ',');)
+            if (name == type) return number;
+    }
+    head.fail(fmt::format("type '{}', expected integers of 8 to 64 bits, float or double",
+                          printable(head.text("type"), 40)));
 }
 
 /// Vectors "(1,0,0) none (0,0,2)" of 2 to 4 numbers: one for each axis; none, or NaN, for an axis not in space.
