@@ -1,7 +1,8 @@
 // moment_tree.h: binary tree of moments over particles or the Gaussians of a model, and its
 // prunings.
 // Nodes are split at their mean, across the axis of largest variance, which follows halos and
-// filaments. Cells of an octree have 2.9 dB less PSNR at 8:1 (docs/particles.md).
+// filaments. Cells of an octree have 2.9 dB less PSNR at 8:1 (docs/particles.md). Or at the middle of their box, for particles that fill
+// space: alike cells side by side, whose ripples cancel along a ray.
 #pragma once
 
 #include <array>
@@ -34,18 +35,26 @@ struct PointNode {
     float gain = 0;                     ///< split_gain of the two sides
 };
 
+/// Where nodes are split.
+enum class Division { at_mean, at_middle };
+struct PointBox {
+    Vec3f lower, upper;  ///< voxels
+};
+
 struct PointTree {
     BigVector<Particle> particles;  ///< the particles of a node are contiguous
     BigVector<PointNode> nodes;     ///< root first, then by generation; none for one particle
+    BigVector<PointBox> boxes;      ///< [nodes] with Division::at_middle: halves of the parent's
     std::vector<std::size_t> generations{0};  ///< index of each one's first node, and the end
 };
 
 /// Builds the tree: the same for any number of threads.
 /// cost  O(N log N) time, 120 bytes a particle
-PointTree point_tree(BigVector<Particle> particles);
+PointTree point_tree(BigVector<Particle> particles, Division division = Division::at_mean);
 
 /// Optimal pruning with at most `budget` leaves (lagrange_search.h): moments of nodes and particles
-/// in the order of the tree, means in voxels relative to the grid's origin.
+/// in the order of the tree, means in voxels relative to the grid's origin. Of a tree with boxes, nodes have the moments of windows over
+/// these, the start of soften().
 /// ends  receives for each cell the index behind its last particle in tree.particles; null: not needed
 BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget,
                             BigVector<std::uint32_t>* ends = nullptr);

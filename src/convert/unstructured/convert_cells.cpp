@@ -256,14 +256,14 @@ Gaussians convert_cells(const Cells& cells, const CellOptions& options, CellNote
 
     const bool searches = !options.budget;
     std::optional<ErrorViews> views;
-    if (searches || options.measure) {
-        views.emplace(model);
-        result.view_note = views->note();
-        clock.end_stage("reference", 0.5);
-    }
     {
         const Gaussians finest = std::move(model);
-        lod::Coarsener coarsener(finest);
+        lod::Coarsener coarsener(finest, true);
+        if (searches || options.measure) {
+            views.emplace(coarsener.model(finest.size()));
+            result.view_note = views->note();
+            clock.end_stage("reference", 0.5);
+        }
         model = searches ? searched_model(finest, coarsener, *views, options, result)
                          : coarsener.model(options.budget);
     }
