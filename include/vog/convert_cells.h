@@ -16,7 +16,7 @@ namespace vog {
 /// Options of convert_cells: a budget, an error, or neither.
 struct CellOptions {
     std::size_t budget = 0;  ///< largest number of Gaussians; 0: no
-    /// Largest measured error, (0, 1), with the fewest Gaussians: relative L2 of T beside the model of one Gaussian a cell. 0 without a budget:
+    /// Largest measured error, (0, 1), with the fewest Gaussians: relative L2 of T beside exact chords through the cells. 0 without a budget:
     /// kDefaultError, but at most default_count of the cells.
     double error = 0;
     bool measure = false;        ///< report the measured error of a budget too

@@ -183,7 +183,8 @@ ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box, std::optio
     set_reference(parts);
 }
 
-ErrorViews::ErrorViews(const Gaussians& finest) {
+ErrorViews::ErrorViews(const Gaussians& finest,
+                       const std::function<DepthImage(const Camera&)>& draw) {
     const auto for_each_gaussian = [&](const std::function<void(const Box&, double)>& take) {
         for (std::size_t i = 0; i < finest.size(); ++i) {
             const Vec3d at = world_mean(finest, i);
@@ -196,7 +197,8 @@ ErrorViews::ErrorViews(const Gaussians& finest) {
     radius_ = seen.radius();
     note_ = box_note(seen, whole);
     for (const Camera& camera : cameras_) {
-        const DepthImage image = render_splat(finest, camera, kSize_px, kSize_px);
+        const DepthImage image =
+            draw ? draw(camera) : render_splat(finest, camera, kSize_px, kSize_px);
         if (reference_.empty()) extinction_ = auto_extinction(image);
         reference_.emplace_back(image);
     }

@@ -1,6 +1,7 @@
 // error_views.h: errors of a model over views around the data: relative L2 of T, visible error.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -76,7 +77,9 @@ class ErrorViews {
     /// memory  half of the largest part's, during construction
     ErrorViews(std::span<const Volume> parts, const Box& box, std::optional<Box> period = {});
     /// Views of a model, the finest of the data.
-    explicit ErrorViews(const Gaussians& finest);
+    /// draw  T of the data themselves, of kErrorViewSize_px; empty: of the model
+    explicit ErrorViews(const Gaussians& finest,
+                        const std::function<DepthImage(const Camera&)>& draw = {});
     RelativeError relative_l2(const Gaussians& model) const;
     /// Error of the same voxels, interpolated linearly between their centres.
     /// parts  as given to the constructor

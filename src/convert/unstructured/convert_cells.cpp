@@ -14,9 +14,10 @@
 #include "convert/lod/field_moments.h"
 #include "convert/moments/error_search.h"
 #include "convert/moments/stage_clock.h"
-#include "convert/unstructured/cell_moments.h"
 #include "core/parallel.h"
+#include "data/cells/cell_moments.h"
 #include "data/fields/field_limits.h"
+#include "render/reference/cells/cell_rays.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/value_counts.h"
@@ -171,12 +172,12 @@ void add_field(Gaussians& model, const Cells& cells, const CellValues& values, b
 }
 
 /// One Gaussian for each cell with mass.
+/// kept  receives the cell of each
 Gaussians all_cells(const Cells& cells, const CellOptions& options, CellNotes& notes,
-                    double& total) {
+                    BigVector<std::uint32_t>& kept, double& total) {
     BigVector<MeasuredCell> all(cells.size());
     vog::parallel_for(std::size_t{0}, cells.size(),
                       [&](std::size_t n) { all[n] = measured(cells, n); });
-    BigVector<std::uint32_t> kept;
     for (std::size_t n = 0; n < all.size(); ++n) {
         const CellState state = all[n].state;
         notes.inverted += state == CellState::inverted;
@@ -244,7 +245,8 @@ Gaussians convert_cells(const Cells& cells, const CellOptions& options, CellNote
     validate(cells);
     check_density(cells, options);
     double total = 0;
-    Gaussians model = all_cells(cells, options, found, total);
+    BigVector<std::uint32_t> kept;
+    Gaussians model = all_cells(cells, options, found, kept, total);
     if (notes) *notes = found;
     clock.end_stage("cells", 0.4);
     model.content.hull = subject_of(model).content.hull;
@@ -260,7 +262,10 @@ Gaussians convert_cells(const Cells& cells, const CellOptions& options, CellNote
         const Gaussians finest = std::move(model);
         lod::Coarsener coarsener(finest, true);
         if (searches || options.measure) {
-            views.emplace(coarsener.model(finest.size()));
+            const reference::CellRays rays(cells, kept);
+            views.emplace(finest, [&](const Camera& camera) {
+                return render_cells_reference(rays, camera, kErrorViewSize_px, kErrorViewSize_px);
+            });
             result.view_note = views->note();
             clock.end_stage("reference", 0.5);
         }

@@ -4,7 +4,7 @@
 //   int l_i l_j = V / 20 (1 + d_ij),  int l_i l_j l_k = V / 120 (1 + d_ij + d_jk + d_ik + 2 d_ijk)
 //   int a b     = V / 20 (A B + sum a b)
 //   int a b c   = V / 120 (A B C + C sum a b + B sum a c + A sum b c + 2 sum a b c),  A = sum a
-#include "convert/unstructured/cell_moments.h"
+#include "data/cells/cell_moments.h"
 
 #include <algorithm>
 #include <cmath>
@@ -99,18 +99,6 @@ void add_tetrahedron(CellIntegrals& to, const std::array<const Corner*, 4>& c, d
         }
 }
 
-/// Mean of corners, in place, density and values.
-Corner mean_of(std::span<const Corner* const> corners) {
-    Corner mean;
-    const double share = 1.0 / static_cast<double>(corners.size());
-    for (const Corner* one : corners) {
-        mean.place = mean.place + share * one->place;
-        mean.density += share * one->density;
-        for (std::size_t k = 0; k < kMostValues; ++k) mean.value[k] += share * one->value[k];
-    }
-    return mean;
-}
-
 /// Sets the last corner to the mean of the others.
 void set_centre(Shape& shape) {
     std::array<const Corner*, 8> all{};
@@ -133,6 +121,17 @@ void thicken(Shape& shape, double thickness) {
 }
 
 }  // namespace
+
+Corner mean_of(std::span<const Corner* const> corners) {
+    Corner mean;
+    const double share = 1.0 / static_cast<double>(corners.size());
+    for (const Corner* one : corners) {
+        mean.place = mean.place + share * one->place;
+        mean.density += share * one->density;
+        for (std::size_t k = 0; k < kMostValues; ++k) mean.value[k] += share * one->value[k];
+    }
+    return mean;
+}
 
 Shape shape_of(const Cells& cells, std::size_t n) {
     Shape shape;
@@ -177,30 +176,13 @@ std::array<double, kMostValues> set_values(Shape& shape, const Cells& cells, std
 CellIntegrals integrals_of(const Shape& shape, std::size_t components) {
     CellIntegrals sums;
     bool above = false, below = false;
-    const auto add = [&](const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
+    for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
+        const Vec3d base = c[0]->place;
         const double volume =
-            dot(b.place - a.place, cross(c.place - a.place, d.place - a.place)) / 6;
+            dot(c[1]->place - base, cross(c[2]->place - base, c[3]->place - base)) / 6;
         above |= volume > 0, below |= volume < 0;
-        add_tetrahedron(sums, {&a, &b, &c, &d}, volume, components);
-    };
-    const auto& corner = shape.corner;
-    if (shape.corners == 4) {
-        add(corner[0], corner[1], corner[2], corner[3]);
-        return sums;
-    }
-    for (const Face& face : shape.faces) {
-        const std::size_t sides = face[3] < 0 ? 3 : 4;
-        std::array<const Corner*, 4> around{};
-        for (std::size_t k = 0; k < sides; ++k)
-            around[k] = &corner[static_cast<std::size_t>(face[k])];
-        if (sides == 3) {
-            add(corner.back(), *around[0], *around[1], *around[2]);
-            continue;
-        }
-        const Corner middle = mean_of(around);
-        for (std::size_t k = 0; k < 4; ++k)
-            add(corner.back(), *around[k], *around[(k + 1) % 4], middle);
-    }
+        add_tetrahedron(sums, c, volume, components);
+    });
     sums.tangled = above && below;
     return sums;
 }

@@ -46,6 +46,28 @@ Shape shape_of(const Cells& cells, std::size_t n);
 /// Sets the values of a field at the corners, relative to their mean, which is returned.
 std::array<double, kMostValues> set_values(Shape& shape, const Cells& cells, std::size_t n,
                                            const CellValues& values);
+/// Mean of corners, in place, density and values.
+Corner mean_of(std::span<const Corner* const> corners);
+/// Calls take({a, b, c, d}) for the tetrahedra of the cell.
+template <class Take>
+void for_each_tetrahedron(const Shape& shape, const Take& take) {
+    using Corners = std::array<const Corner*, 4>;
+    const auto& corner = shape.corner;
+    if (shape.corners == 4) return take(Corners{&corner[0], &corner[1], &corner[2], &corner[3]});
+    for (const auto& face : shape.faces) {
+        const std::size_t sides = face[3] < 0 ? 3 : 4;
+        Corners around{};
+        for (std::size_t k = 0; k < sides; ++k)
+            around[k] = &corner[static_cast<std::size_t>(face[k])];
+        if (sides == 3) {
+            take(Corners{&corner.back(), around[0], around[1], around[2]});
+            continue;
+        }
+        const Corner middle = mean_of(around);
+        for (std::size_t k = 0; k < 4; ++k)
+            take(Corners{&corner.back(), around[k], around[(k + 1) % 4], &middle});
+    }
+}
 /// Integrals over the cell, about its centre; volume below 0 for a mirrored cell.
 /// components  of the values at the corners; 0: none
 CellIntegrals integrals_of(const Shape& shape, std::size_t components);

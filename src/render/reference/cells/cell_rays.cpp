@@ -1,0 +1,185 @@
+// cell_rays.cpp: cells whose boxes a ray meets, by Embree; the part of the ray in each of their tetrahedra, in double precision.
+#include "render/reference/cells/cell_rays.h"
+
+#include <embree3/rtcore.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "data/cells/cell_moments.h"
+#include "render/pixel_tiles.h"
+#include "render/reference/reference_grid.h"
+#include "vog/error.h"
+
+namespace vog::reference {
+
+using namespace unstructured;
+
+namespace {
+
+struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+
+/// Indices of the primitives whose boxes the ray meets, behind the context that Embree passes to its callbacks.
+struct Query : RTCIntersectContext {
+    std::vector<unsigned> found;
+};
+
+void collect(const RTCOccludedFunctionNArguments* args) {
+    if (*args->valid) static_cast<Query*>(args->context)->found.push_back(args->primID);
+}
+
+/// The part of a ray in a tetrahedron, and the densities at its ends.
+/// origin  relative to the cell's centre
+bool cross_tetrahedron(const std::array<const Corner*, 4>& corner, Vec3d origin, Vec3d direction,
+                       CellPiece& piece) {
+    const Vec3d base = corner[0]->place;
+    const Vec3d edge[3] = {corner[1]->place - base, corner[2]->place - base,
+                           corner[3]->place - base};
+    const double volume = dot(edge[0], cross(edge[1], edge[2]));
+    if (volume == 0) return false;
+    // Barycentric coordinates are linear in t: at[k] + t slope[k]; the first is 1 minus the others.
+    double at[4] = {1}, slope[4] = {0};
+    for (int k = 0; k < 3; ++k) {
+        const Vec3d normal = 1 / volume * cross(edge[(k + 1) % 3], edge[(k + 2) % 3]);
+        at[k + 1] = dot(normal, origin - base), slope[k + 1] = dot(normal, direction);
+        at[0] -= at[k + 1], slope[0] -= slope[k + 1];
+    }
+    for (int k = 0; k < 4; ++k) {
+        const double crossing = -at[k] / slope[k];
+        if (slope[k] > 0)
+            piece.segment.first = std::max(piece.segment.first, crossing);
+        else if (slope[k] < 0)
+            piece.segment.last = std::min(piece.segment.last, crossing);
+        else if (at[k] < 0)
+            return false;
+    }
+    if (piece.segment.empty()) return false;
+    double density = 0, per_t = 0;
+    for (std::size_t k = 0; k < 4; ++k)
+        density += at[k] * corner[k]->density, per_t += slope[k] * corner[k]->density;
+    const double sign = volume < 0 ? -1 : 1;
+    piece.first = sign * (density + per_t * piece.segment.first);
+    piece.last = sign * (density + per_t * piece.segment.last);
+    return true;
+}
+
+}  // namespace
+
+struct CellRays::Embree {
+    const Cells& cells;
+    std::span<const std::uint32_t> kept;
+    Vec3d centre{};
+    double radius = 0;
+    std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device{rtcNewDevice(nullptr)};
+    std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene{rtcNewScene(device.get())};
+
+    /// Box of a cell, wider by the rounding of floats.
+    static void bounds_of(const RTCBoundsFunctionArguments* args) {
+        const auto& of = *static_cast<const Embree*>(args->geometryUserPtr);
+        const Shape shape = shape_of(of.cells, of.kept[args->primID]);
+        Box box;
+        for (std::size_t k = 0; k < shape.corners; ++k)
+            box.include(shape.centre + shape.corner[k].place - of.centre);
+        constexpr double kRounding = 1e-6;
+        const Vec3d wider = kRounding * of.radius * Vec3d{1, 1, 1};
+        const Vec3f lower = vec_cast<float>(box.lower - wider),
+                    upper = vec_cast<float>(box.upper + wider);
+        *args->bounds_o = {lower.x, lower.y, lower.z, 0, upper.x, upper.y, upper.z, 0};
+    }
+};
+
+CellRays::CellRays(const Cells& cells, std::span<const std::uint32_t> kept) {
+    vog::parallel_for(0, 1, [](int) {});  // before Embree's loops, as in TraceBvh
+    embree_ = std::make_unique<Embree>(Embree{cells, kept});
+    const Box box = bounds(cells);
+    embree_->centre = box.center(), embree_->radius = box.radius() + cells.thickness;
+    const RTCGeometry geometry = rtcNewGeometry(embree_->device.get(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetSceneFlags(embree_->scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(kept.size()));
+    rtcSetGeometryUserData(geometry, embree_.get());
+    rtcSetGeometryBoundsFunction(geometry, Embree::bounds_of, nullptr);
+    rtcSetGeometryOccludedFunction(geometry, collect);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(embree_->scene.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(embree_->scene.get());
+    if (const RTCError code = rtcGetDeviceError(embree_->device.get()); code != RTC_ERROR_NONE)
+        throw Error(fmt::format("cells: Embree error {}", static_cast<int>(code)));
+}
+CellRays::~CellRays() = default;
+
+void CellRays::add(Vec3d origin, Vec3d direction, Segment within,
+                   std::vector<CellPiece>& pieces) const {
+    const Embree& of = *embree_;
+    // A ray in a face that two cells share would count in both or in none: all rays are beside theirs.
+    constexpr double kBeside = 1e-10;
+    origin = origin + kBeside * of.radius * Vec3d{0.61, 0.75, 0.27};
+    // From the nearest point to the centre backwards, where floats are finest.
+    const double stretch = length(direction);
+    const Vec3d along = 1 / stretch * direction;
+    const Vec3d start =
+        origin + (dot(of.centre - origin, along) - 2 * of.radius) * along - of.centre;
+    thread_local Query query;
+    rtcInitIntersectContext(&query);
+    query.found.clear();
+    RTCRay ray{};
+    ray.org_x = static_cast<float>(start.x), ray.org_y = static_cast<float>(start.y);
+    ray.org_z = static_cast<float>(start.z), ray.dir_x = static_cast<float>(along.x);
+    ray.dir_y = static_cast<float>(along.y), ray.dir_z = static_cast<float>(along.z);
+    ray.tfar = static_cast<float>(4 * of.radius);
+    ray.mask = ~0u;
+    rtcOccluded1(of.scene.get(), &query, &ray);
+    std::ranges::sort(query.found);  // sums do not depend on the order of Embree's nodes
+    for (const unsigned n : query.found) {
+        const std::uint32_t cell = of.kept[n];
+        Shape shape = shape_of(of.cells, cell);
+        for (Corner& corner : shape.corner) corner.density = std::max(corner.density, 0.0);
+        const std::size_t before = pieces.size();
+        double volume = 0;
+        for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& corner) {
+            const Vec3d base = corner[0]->place;
+            volume += dot(corner[1]->place - base,
+                          cross(corner[2]->place - base, corner[3]->place - base));
+            CellPiece piece{within, cell};
+            if (cross_tetrahedron(corner, origin - shape.centre, direction, piece))
+                pieces.push_back(piece);
+        });
+        for (std::size_t k = before; volume < 0 && k < pieces.size(); ++k)
+            pieces[k].first *= -1, pieces[k].last *= -1;
+    }
+}
+
+DepthImage render_cells_reference(const CellRays& rays, const Camera& camera, int width, int height,
+                                  const ReferenceOptions& options) {
+    check_samples(options.samples);
+    validate(options.clip);
+    const CameraFrame frame = frame_of(camera, width, height);
+    DepthImage image(width, height);
+    const int samples = options.samples;
+    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        check_interrupt();
+        thread_local std::vector<CellPiece> pieces;
+        double sum = 0;
+        for (int n = 0; n < samples * samples; ++n) {
+            const double x = column + sample_offset(n % samples, samples);
+            const double y = row + sample_offset(n / samples, samples);
+            const Vec3d origin = frame.origin(x, y), direction = frame.direction(x, y);
+            pieces.clear();
+            rays.add(origin, direction, visible_segment(options.clip, origin, direction), pieces);
+            double along = 0;
+            for (const CellPiece& piece : pieces)
+                along +=
+                    (piece.segment.last - piece.segment.first) / 2 * (piece.first + piece.last);
+            sum += along * length(direction);
+        }
+        image.at(column, row) = static_cast<float>(std::max(sum / (samples * samples), 0.0));
+    });
+    return image;
+}
+
+}  // namespace vog::reference
