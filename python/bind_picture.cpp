@@ -84,6 +84,8 @@ class PictureScene {
     /// Makes the scene and the renderer that a request needs, unless they are there.
     void prepare(PictureRequest& request) {
         if (!request.layers.empty()) return prepare_layers(request);
+        if (surface_of(data_.front()))
+            throw Error("a surface, expected Layers: of it, and of a volume or Gaussians");
         const Show show = request.show;
         std::string kind = is_by_value(show)      ? "values of " + request.field
                            : shows_field(request) ? "map of " + request.field

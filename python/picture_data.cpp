@@ -1,8 +1,10 @@
 // picture_data.cpp: scenes of models, particles and voxels with a shown field.
 #include "picture_data.h"
 
+#include <algorithm>
 #include <memory>
 
+#include "arrays.h"
 #include "data.h"
 #include "sampled_fields.h"
 #include "vog/convert_points.h"
@@ -122,7 +124,32 @@ bool is_gaussians(const py::object& data) {
     return py::isinstance<Gaussians>(data) || py::isinstance<Points>(data);
 }
 
+std::shared_ptr<const Surface> surface_of(const py::object& data) {
+    if (!py::isinstance<py::tuple>(data) || py::len(data) != 2 ||
+        !py::isinstance<py::array>(data[py::int_(0)]))
+        return nullptr;
+    const auto points = vector_of<Vec3d, double>(data[py::int_(0)], "points");
+    const py::array corners = numbers_of(data[py::int_(1)], "triangles");
+    if (corners.ndim() != 2 || corners.shape(1) != 3 || corners.shape(0) == 0)
+        throw Error("triangles: shape " + shape_text(corners) +
+                    ", expected [N, 3] numbers of points, at least one triangle");
+    const auto rows = py::array_t<std::int64_t, py::array::c_style>::ensure(corners);
+    Surface surface{{points.begin(), points.end()}, {}, {}};
+    for (py::ssize_t n = 0; n < rows.shape(0); ++n) {
+        auto& triangle = surface.triangle.emplace_back();
+        for (py::ssize_t c = 0; c < 3; ++c)
+            triangle[static_cast<std::size_t>(c)] =
+                static_cast<std::uint32_t>(std::clamp<std::int64_t>(
+                    rows.at(n, c) < 0 ? UINT32_MAX : rows.at(n, c), 0, UINT32_MAX));
+    }
+    return std::make_shared<const Surface>(std::move(surface));
+}
+
 void require_drawable(const py::object& data, const py::object& fields) {
+    if (surface_of(data)) {
+        if (!fields.is_none()) throw Error("render: fields: of voxels, a surface has none");
+        return;
+    }
     if (!is_gaussians(data) && !py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, "render", "Gaussians, a Volume, Levels, a list of Volumes or Points");
     if (is_gaussians(data) && !fields.is_none())
@@ -131,6 +158,7 @@ void require_drawable(const py::object& data, const py::object& fields) {
 
 Scene scene_of_data(const py::object& data, const py::object& fields, PictureRequest& request) {
     const bool gaussians = is_gaussians(data);
+    if (auto surface = surface_of(data)) return scene_of(std::move(surface));
     if (is_field_map(request.show) && request.field.empty())
         throw Error(std::string("show '") + word_of(request.show) +
                     "': expected field, the name of one");

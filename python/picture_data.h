@@ -8,10 +8,12 @@ namespace vog::python {
 
 /// Whether data are Gaussians or Points.
 bool is_gaussians(const py::object& data);
+/// Triangles of a pair (points, triangles), which isosurface() returns, for a layer; null for other objects.
+std::shared_ptr<const Surface> surface_of(const py::object& data);
 /// throws  TypeError for data that are not drawn; vog::Error for fields of a model
 void require_drawable(const py::object& data, const py::object& fields);
 
-/// Scene of Gaussians, a Volume, Levels, a list of Volumes or Points, with the field that the request shows.
+/// Scene of Gaussians, a Volume, Levels, a list of Volumes, Points or a surface, with the field that the request shows.
 /// fields   of voxels: {"temperature": array} of a call, or None
 /// request  its field becomes the scene's
 /// throws   vog::Error for a field that is not there

@@ -4,6 +4,7 @@
 // window, Python, pages and vog-mpi call.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -174,7 +175,18 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
 /// begin with a dark one, which makes no edge at the rim of supports.
 const char* default_map(Show show);
 
-/// A field in a volume picture of several.
+/// Plane of a slice.
+struct SlicePlane {
+    /// "x", "y", "z", or of scans "axial" (position along the patient's up), "coronal" (front) and "sagittal" (right); empty: the normal.
+    std::string axis{};
+    Vec3d normal{};                  ///< any length > 0; of an axis set by resolve()
+    std::optional<double> offset{};  ///< dot(normal, x); nothing: the middle of the data
+    friend bool operator==(const SlicePlane&, const SlicePlane&) = default;
+};
+/// Names of SlicePlane::axis.
+std::span<const char* const> slice_axes();
+
+/// A field, a slice or a surface in a volume picture of several.
 struct Layer {
     std::size_t input = 0;  ///< place of its data among the front end's inputs, from 0
     std::string file{};     ///< input that a user names in place of `input`
@@ -183,6 +195,11 @@ struct Layer {
     std::string field{};  ///< as PictureRequest::field
     TransferRequest transfer{};
     ScaleFit fit = ScaleFit::automatic;
+    /// Draws the field on a plane alone, in the colours of its values. Where a threshold or bands show nothing, the plane has a hole.
+    std::optional<SlicePlane> plane{};
+    /// Colour of a surface; nothing: those of its points, else a light grey.
+    std::optional<std::array<float, 3>> color{};
+    std::optional<double> opacity{};  ///< opacity of a plane or a surface, (0, 1]; nothing: 1
 };
 
 /// A grid of a file.
@@ -207,17 +224,6 @@ struct Marks {
     bool any() const { return color_bar || axes || scale_bar || !title.empty(); }
 };
 
-/// Plane of a slice.
-struct SlicePlane {
-    /// "x", "y", "z", or of scans "axial" (position along the patient's up), "coronal" (front) and "sagittal" (right); empty: the normal.
-    std::string axis{};
-    Vec3d normal{};                  ///< any length > 0; of an axis set by resolve()
-    std::optional<double> offset{};  ///< dot(normal, x); nothing: the middle of the data
-    friend bool operator==(const SlicePlane&, const SlicePlane&) = default;
-};
-/// Names of SlicePlane::axis.
-std::span<const char* const> slice_axes();
-
 /// Error of colour and opacity, estimated, up to which a pixel of a model's volume is interpolated.
 inline constexpr double kVolumePrecision = 1 / 200.0;
 
@@ -229,7 +235,7 @@ struct PictureRequest {
     /// Colours and, of volumes, opacities. A map without points: default_map.
     TransferRequest transfer{};
     /// Fields of a volume picture that are drawn together, in place of `field`, `transfer` and `fit`: where they overlap, their
-    /// extinctions add up, and their colours mix by these.
+    /// extinctions add up, and their colours mix by these. Planes and surfaces hide what lies behind them.
     std::vector<Layer> layers{};
     ScaleFit fit = ScaleFit::automatic;  ///< fit of an open range; log: scale of a stated one, too
     double least_column = kLeastColumn;  ///< share of the largest column, for means and deviations

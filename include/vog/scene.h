@@ -1,4 +1,4 @@
-// vog/scene.h: Data of pictures: models or voxels with their fields, shared and unchanged while pictures are made.
+// vog/scene.h: Data of pictures: models, voxels with their fields, or surfaces, shared and unchanged while pictures are made.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include "vog/levels.h"
 #include "vog/lod.h"
 #include "vog/subject.h"
+#include "vog/surface.h"
 #include "vog/voxel_field.h"
 
 namespace vog {
@@ -41,7 +42,12 @@ struct VoxelSource {
     std::vector<VoxelField> beside_field{};  ///< [beside]
 };
 
-using Source = std::variant<ModelSource, VoxelSource>;
+/// Triangles, which layers of volume pictures draw (PictureRequest::layers).
+struct SurfaceSource {
+    std::shared_ptr<const Surface> surface;
+};
+
+using Source = std::variant<ModelSource, VoxelSource, SurfaceSource>;
 
 /// Data of a picture.
 struct Scene {
@@ -52,14 +58,16 @@ struct Scene {
     std::string name{};                     ///< "smoke.vdb", for messages; may be empty
     std::string column = "column density";  ///< name of columns; "number per area" for particles
     /// Data of each layer of the request (PictureRequest::layers), those of hidden ones without sources; `sources` are then those of the
-    /// first visible one.
+    /// first visible one that is no surface.
     std::vector<Scene> layers{};
     /// Processes that hold parts of the data and draw the same pictures, which are complete on the root. Null: one process.
     const Collective* collective = nullptr;
 
     bool has_voxels() const { return std::holds_alternative<VoxelSource>(sources.front()); }
+    bool has_surface() const { return std::holds_alternative<SurfaceSource>(sources.front()); }
     const ModelSource& model() const { return std::get<ModelSource>(sources.front()); }
     const VoxelSource& voxels() const { return std::get<VoxelSource>(sources.front()); }
+    const Surface& surface() const { return *std::get<SurfaceSource>(sources.front()).surface; }
 };
 
 /// Scene of a model, or of volumes with their own values as their field.
@@ -68,8 +76,10 @@ Scene scene_of(Volume volume);
 Scene scene_of(std::shared_ptr<const Gaussians> model,
                std::shared_ptr<const Hierarchy> hierarchy = nullptr);
 Scene scene_of(std::shared_ptr<const VolumeSet> volumes);
+/// Scene of triangles, for a layer.
+Scene scene_of(std::shared_ptr<const Surface> surface);
 /// Scene of the layers of a picture, which frames all of them.
-/// layers  at least one with sources
+/// layers  at least one with sources that is no surface
 Scene scene_of_layers(std::vector<Scene> layers);
 
 }  // namespace vog

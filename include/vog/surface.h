@@ -1,9 +1,10 @@
-// vog/surface.h: surfaces of one value in volumes as triangles, and files of them.
+// vog/surface.h: surfaces as triangles: of one value in volumes, and of files.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "vog/volume.h"
@@ -14,6 +15,8 @@ namespace vog {
 struct Surface {
     std::vector<Vec3d> point;                            ///< [P] world units
     std::vector<std::array<std::uint32_t, 3>> triangle;  ///< [N] counter-clockwise from outside
+    std::vector<std::array<float, 3>>
+        color{};  ///< [P] red, green, blue as displayed, [0, 1]; or none
 };
 
 /// Surface around the voxels above a value, as OpenVDB's volumeToMesh finds it: closed, with values linear from one voxel centre
@@ -25,5 +28,13 @@ struct Surface {
 /// Writes triangles as .stl (binary), .ply (binary) or .obj, in world units; .stl and .ply have 32-bit floats.
 /// throws  vog::Error for another extension, or where the file cannot be written
 void write_surface(const std::filesystem::path& file, const Surface& surface);
+
+/// Whether a file is one of read_surface: .stl, .obj, or a .ply whose header has faces.
+bool is_surface_file(const std::filesystem::path& file);
+/// Triangles of a .stl, .obj or .ply, with the colours of its points. Points at one place are one; polygons become triangles.
+/// notes   receives one on triangles left out, whose points are not finite or lie on a line
+/// throws  vog::Error for a file that cannot be read, or without triangles
+[[nodiscard]] Surface read_surface(const std::filesystem::path& file,
+                                   std::vector<std::string>* notes = nullptr);
 
 }  // namespace vog

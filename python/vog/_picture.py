@@ -3,7 +3,7 @@ import inspect
 import json
 import os
 import textwrap
-from typing import Any, Callable, Dict, Iterable, NamedTuple, Optional, Sequence, Union
+from typing import Any, Callable, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -14,6 +14,7 @@ _Size = Union[int, Sequence[int]]
 
 # Members of requests by their keywords: (takes, text, unset, choices, shows, renderers).
 _MEMBERS = _vog._request_schema()
+_OF_LAYERS = ("tf", "range", "scale", "window", "bands", "threshold", "unit_distance")
 _RECOLORED = ("tf", "range", "scale", "extinction", "background", "blend", "least_column", "color_bar", "axes", "scale_bar", "title")
 
 
@@ -60,23 +61,34 @@ class Light(NamedTuple):
 class Layer:
     """One of several fields in a volume picture: vog.render([vog.Layer(gas, "density", tf="blues"), vog.Layer(stars, tf="white")]).
 
-    data      Gaussians, a Volume, Levels, or a list of Volumes
+    data      Gaussians, a Volume, Levels, or a list of Volumes; or a surface, (points [P, 3], triangles [N, 3]), as isosurface() returns it
     field     its scalar field; None: the density
     fields    of voxels: the field at them, {'temperature': array}, as convert() takes it
     visible   whether it is drawn
+    plane     draws the field on it alone: "z", "z=0.5", "axial", or (nx, ny, nz, d)
+    color     of a surface: a name, "#rrggbb" or (r, g, b); None: a light grey
+    opacity   of a plane or a surface, to 1; None: 1
     request   tf, range, scale, window, bands, threshold and unit_distance, as render() has them
 
-    Where layers overlap, their extinctions add up, and their colours mix by these; they shadow each other.
+    Where layers overlap, their extinctions add up, and their colours mix by these; planes and surfaces hide what lies behind. They shadow
+    each other, but for planes.
 
     >>> cloud, head = vog.sample_cloud(64), vog.sample_head(64)
     >>> picture = vog.render([vog.Layer(cloud, tf="white"), vog.Layer(vog.convert(head), threshold=900)], size=64)
     >>> picture.label
     'volume of density, ct'
+    >>> inside = vog.Layer(vog.isosurface(cloud, 0.3), color="orange")
+    >>> seen = vog.render([vog.Layer(cloud, tf="white"), inside, vog.Layer(head, plane="z", tf="gray")], size=64)
+    >>> float(seen.values.max())
+    1.0
     """
 
-    def __init__(self, data: "_vog._Drawable", field: "Optional[str]" = None, *, fields: "Optional[Dict[str, Any]]" = None, visible: bool = True, **request: Any) -> None:
+    def __init__(
+        self, data: "Union[_vog._Drawable, Tuple[Any, Any]]", field: "Optional[str]" = None, *, fields: "Optional[Dict[str, Any]]" = None,
+        visible: bool = True, **request: Any
+    ) -> None:
         self.data, self.fields, self.visible = data, fields, visible
-        _messages.refuse_unknown("Layer", request, ("tf", "range", "scale", "window", "bands", "threshold", "unit_distance"))
+        _messages.refuse_unknown("Layer", request, (*_OF_LAYERS, "plane", "color", "opacity"))
         self._request = {"field": field, **request}
 
     def _member(self, place: int) -> "Dict[str, Any]":

@@ -279,8 +279,10 @@ std::string advice_on(const std::string& file) {
             "measures its error",
             name);
     if (extension == ".obj" || extension == ".stl")
-        return "a mesh of triangles, not a volume: vdb_tool or Blender's Mesh to Volume makes it a "
-               ".vdb";
+        return fmt::format(
+            "a mesh of triangles, not a volume: vog render VOLUME --show volume --layer {} draws "
+            "it in one; vdb_tool or Blender's Mesh to Volume makes it a .vdb",
+            name);
     if (extension == ".usdz")
         return "a package of OpenUSD: unzip it; vog reads the splats of a .usda, which usdcat "
                "makes of "

@@ -43,8 +43,8 @@ std::vector<std::string> transfer_notes(const PictureRequest& request,
 std::vector<std::string> layer_notes(const ResolvedPicture& picture) {
     std::vector<std::string> notes;
     for (std::size_t n = 0; n < picture.layers.size(); ++n) {
-        if (!picture.request.layers[n].visible) continue;
         const ResolvedPicture& layer = picture.layers[n];
+        if (layer.field.field.empty()) continue;  // hidden, or a surface
         const auto& [kind, low, high] = layer.chosen.scale;
         notes.push_back(
             fmt::format("layer {}: {}{}, values from {:.6g} to {:.6g}{}, unit distance {:.6g}",

@@ -126,6 +126,11 @@ void take_channels(RenderArguments& arguments) {
 /// throws  UsageError for a layer of an input that is not there
 void place_layers(DrawingArguments& drawing, PictureRequest& request) {
     if (request.layers.empty()) return;
+    // The command's input is a layer with defaults where none is of it.
+    if (std::ranges::none_of(request.layers, [&](const Layer& l) {
+            return l.file.empty() ? l.input == 0 : l.file == drawing.inputs.front();
+        }))
+        request.layers.emplace(request.layers.begin());
     std::vector<std::string>& all = drawing.layer_inputs = drawing.inputs;
     for (Layer& layer : request.layers) {
         if (!layer.file.empty()) {

@@ -230,6 +230,9 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
 
 SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& request,
                         const RenderRanks& ranks) {
+    const auto add_text = [](SceneInputs& to, const std::string& text) {
+        to.primitives_text += (to.primitives_text.empty() ? "" : " and ") + text;
+    };
     if (ranks.divided())
         throw UsageError("--layer: layers are drawn by one process, expected vog render");
     SceneInputs all;
@@ -239,6 +242,15 @@ SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& reque
         if (!layer.visible) continue;
         DrawingArguments own = arguments;
         own.inputs = expanded({arguments.layer_inputs[layer.input]});
+        if (own.inputs.size() == 1 && is_surface_file(own.inputs.front())) {
+            const auto notes = all.notes.size();
+            scene = scene_of(
+                std::make_shared<const Surface>(read_surface(own.inputs.front(), &all.notes)));
+            print_notes({all.notes.begin() + static_cast<std::ptrdiff_t>(notes), all.notes.end()});
+            scene.name = own.inputs.front();
+            add_text(all, count_text(scene.surface().triangle.size()) + " triangles");
+            continue;
+        }
         if (!layer.grid.empty()) own.volume.grid = layer.grid;
         const FileKind kind = common_kind(own.inputs, own.volume.grid);
         if (!layer.grid.empty() && kind != FileKind::volume)
@@ -252,8 +264,7 @@ SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& reque
         if (!layer.field.empty() && !inputs.field.empty()) layer.field = inputs.field;
         scene = std::move(inputs.scene);
         all.gaussians += inputs.gaussians, all.active_voxels += inputs.active_voxels;
-        all.primitives_text +=
-            (all.primitives_text.empty() ? "" : " and ") + inputs.primitives_text;
+        add_text(all, inputs.primitives_text);
         all.notes.insert(all.notes.end(), inputs.notes.begin(), inputs.notes.end());
     }
     all.scene = scene_of_layers(std::move(scenes));

@@ -35,7 +35,8 @@ DepthRange depths_of(const Box& box, const CameraFrame& frame) {
 /// Light of a pixel's pieces in each slab, composited in their order.
 class PixelSlabs {
   public:
-    PixelSlabs(SlabCell& cell, std::size_t pixel) : cell_(cell), pixel_(pixel) {}
+    PixelSlabs(SlabCell& cell, std::uint32_t pixel, std::vector<SlabSurface>& surfaces)
+        : cell_(cell), pixel_(pixel), surfaces_(surfaces) {}
     ~PixelSlabs() { finish(); }
     PixelSlabs(const PixelSlabs&) = delete;
     PixelSlabs& operator=(const PixelSlabs&) = delete;
@@ -45,61 +46,89 @@ class PixelSlabs {
         const SlabDepths& depths = cell_.depths;
         const int first = cell_.slab_at(static_cast<float>(run.first));
         const int last = cell_.slab_at(static_cast<float>(run.last));
+        const auto front = [&](int slab) {
+            return double{depths.first} + slab * double{depths.thickness};
+        };
+        if (reference::is_surface(run)) {
+            if (first != slab_) finish(), slab_ = first;
+            const double depth = light.extinction * (run.last - run.first) * stretch;
+            const double share = (run.first - front(first)) / double{depths.thickness};
+            surfaces_.push_back({first,
+                                 pixel_,
+                                 static_cast<float>(std::clamp(share, 0.0, 1.0)),
+                                 take(),
+                                 {static_cast<float>(light.r), static_cast<float>(light.g),
+                                  static_cast<float>(light.b)},
+                                 static_cast<float>(-std::expm1(-depth))});
+            cell_.touch(first, first);
+            return;
+        }
         for (int slab = first; slab <= last; ++slab) {
             if (slab != slab_) finish(), slab_ = slab;
-            const double front = double{depths.first} + slab * double{depths.thickness};
-            const double from = slab == first ? run.first : front;
-            const double to = slab == last ? run.last : front + double{depths.thickness};
+            const double from = slab == first ? run.first : front(slab);
+            const double to = slab == last ? run.last : front(slab + 1);
             light_.add(light.extinction * std::max(to - from, 0.0) * stretch, light.r, light.g,
                        light.b);
         }
     }
 
   private:
-    /// Optical depth of the slab, and its colour times that.
-    void finish() {
+    /// Colour times the optical depth of the runs since the last call, and that depth.
+    std::array<float, 4> take() {
         const double absorbed = 1 - light_.transmittance;
+        std::array<float, 4> sums{};
         if (absorbed > 0) {
             const double tau = -std::log(std::max(light_.transmittance, 1e-30)),
                          per = tau / absorbed;
-            const double sums[4] = {per * light_.r, per * light_.g, per * light_.b, tau};
-            for (int c = 0; c < 4; ++c)
-                cell_.slab(slab_)[c].pixel[pixel_] = static_cast<float>(sums[c]);
-            cell_.touch(slab_, slab_);
+            sums = {static_cast<float>(per * light_.r), static_cast<float>(per * light_.g),
+                    static_cast<float>(per * light_.b), static_cast<float>(tau)};
         }
         light_ = {};
+        return sums;
+    }
+    /// Writes the sums of the slab.
+    void finish() {
+        const std::array<float, 4> sums = take();
+        if (!(sums[3] > 0)) return;
+        for (std::size_t c = 0; c < 4; ++c) cell_.slab(slab_)[c].pixel[pixel_] = sums[c];
+        cell_.touch(slab_, slab_);
     }
 
     SlabCell& cell_;
-    std::size_t pixel_;
+    std::uint32_t pixel_;
+    std::vector<SlabSurface>& surfaces_;
     int slab_ = 0;
     reference::Compositor light_;
 };
 
-/// Adds the voxels in front of the pixels of a cell.
-void add_voxels(const VoxelLayer& layer, const CameraFrame& frame, const Clipping& clip,
-                SlabCell& cell) {
+/// Adds voxels and surfaces in front of the pixels of a cell.
+/// surfaces  receives those, as composite_layers takes them
+void add_rays(std::span<const std::unique_ptr<reference::LitRays>> rays, const CameraFrame& frame,
+              const Clipping& clip, SlabCell& cell, std::vector<SlabSurface>& surfaces) {
     thread_local std::vector<LitPiece> pieces;
+    surfaces.clear();
     for (int y = 0; y < std::min(kCellHeight, frame.height - cell.row); ++y)
         for (int x = 0; x < std::min(kCellWidth, frame.width - cell.column); ++x) {
             const Vec3d origin = frame.origin(cell.column + x, cell.row + y);
             const Vec3d direction = frame.direction(cell.column + x, cell.row + y);
-            const Segment within = reference::visible_segment(clip, origin, direction);
+            Segment within = reference::visible_segment(clip, origin, direction);
             if (within.empty()) continue;
             pieces.clear();
-            layer.rays.add(origin, direction, within, pieces);
-            PixelSlabs slabs(cell, static_cast<std::size_t>(y * kCellWidth + x));
+            for (const auto& layer : rays) layer->add(origin, direction, within, pieces);
+            PixelSlabs slabs(cell, static_cast<std::uint32_t>(y * kCellWidth + x), surfaces);
             reference::for_each_run_of_light(pieces,
                                              [&](const Segment& run, const ValueLight& light) {
                                                  slabs.add(run, light, length(direction));
                                                  return true;
                                              });
         }
+    std::ranges::stable_sort(surfaces, {}, &SlabSurface::slab);
 }
 
 /// Buffers of a thread.
 struct Buffers {
-    std::vector<SlabCell> voxels;  ///< [layers]
+    SlabCell of_rays;
+    std::vector<SlabSurface> surfaces;
     std::vector<LayerCell> cells;
     alignas(64) std::array<CellPixels, 4> seen;
 };
@@ -118,7 +147,8 @@ void write(const Buffers& of, int column, int row, VolumeImage& picture) {
 
 }  // namespace
 
-void draw_slabs(std::span<SlabRenderer* const> models, std::span<const VoxelLayer> voxels,
+void draw_slabs(std::span<SlabRenderer* const> models,
+                std::span<const std::unique_ptr<reference::LitRays>> rays, const Box& box,
                 const Camera& camera, int slabs, const Clipping& clip,
                 const lights::Illumination& reached, VolumeImage& picture) {
     const int width = picture.width, height = picture.height;
@@ -129,18 +159,15 @@ void draw_slabs(std::span<SlabRenderer* const> models, std::span<const VoxelLaye
     std::vector<SlabRenderer*> seen;
     for (SlabRenderer* model : models)
         if (model->begin(camera, width, height, reached, range)) seen.push_back(model);
-    for (const VoxelLayer& layer : voxels) range.include(depths_of(layer.box, frame));
-    if (range.empty()) return;
+    if (!box.empty()) range.include(depths_of(box, frame));
+    if (range.empty()) range = {0, 1};  // of surfaces
     const SlabDepths depths = slab_depths(range, slabs);
     for (SlabRenderer* model : seen) model->set_depths(depths);
     const SlabKernels& kernels = models.front()->kernels();
     tbb::enumerable_thread_specific<Buffers> buffers([&] {
         Buffers made;
-        made.voxels.resize(voxels.size());
-        for (SlabCell& cell : made.voxels) {
-            cell.resize(slabs, 4);
-            cell.depths = depths;
-        }
+        made.of_rays.resize(slabs, 4);
+        made.of_rays.depths = depths;
         return made;
     });
     const int columns = (width + kTileWidth - 1) / kTileWidth;
@@ -158,14 +185,11 @@ void draw_slabs(std::span<SlabRenderer* const> models, std::span<const VoxelLaye
             for (SlabRenderer* model : here)
                 if (const LayerCell cell = model->sum_cell(t, n); cell.cell)
                     own.cells.push_back(cell);
-            for (std::size_t v = 0; v < voxels.size(); ++v) {
-                SlabCell& cell = own.voxels[v];
-                cell.column = column, cell.row = row;
-                add_voxels(voxels[v], frame, clip, cell);
-                if (cell.touched()) own.cells.push_back({&cell, nullptr});
-            }
+            own.of_rays.column = column, own.of_rays.row = row;
+            add_rays(rays, frame, clip, own.of_rays, own.surfaces);
+            if (own.of_rays.touched()) own.cells.push_back({&own.of_rays, nullptr});
             if (own.cells.empty()) continue;
-            kernels.composite_layers(own.cells, own.seen);
+            kernels.composite_layers(own.cells, own.surfaces, own.seen);
             write(own, column, row, picture);
             for (const LayerCell& cell : own.cells) cell.cell->clear();
         }

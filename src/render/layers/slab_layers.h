@@ -1,6 +1,7 @@
-// slab_layers.h: Pictures of several layers, models and voxels, by depth slabs that they share.
+// slab_layers.h: Pictures of several layers, models, voxels and surfaces, by depth slabs that they share.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "render/by_value/volume_image.h"
@@ -12,18 +13,16 @@
 
 namespace vog::layers {
 
-/// Voxels of a layer.
-struct VoxelLayer {
-    reference::VoxelRays rays;
-    Box box;  ///< holds them, world units
-};
-
 /// Draws layers that share their space: in each slab extinctions add up, and colours by their extinctions.
+/// Surfaces hide what lies behind them: exactly of voxels, of models by the share of a slab.
 /// models   at least one, each with `slabs` slabs
-/// clip     of the voxels; models have theirs
+/// rays     voxels and surfaces, as of render_layers_reference
+/// box      holds the voxels, world units; may be empty
+/// clip     of the rays; models have theirs
 /// reached  light that reaches points of the world
 /// picture  receives the result, the same bytes for any number of threads
-void draw_slabs(std::span<SlabRenderer* const> models, std::span<const VoxelLayer> voxels,
+void draw_slabs(std::span<SlabRenderer* const> models,
+                std::span<const std::unique_ptr<reference::LitRays>> rays, const Box& box,
                 const Camera& camera, int slabs, const Clipping& clip,
                 const lights::Illumination& reached, VolumeImage& picture);
 

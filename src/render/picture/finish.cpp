@@ -137,8 +137,8 @@ void mark_layers(Picture& picture, const Scene& scene) {
     const Marks& marks = made.request.marks;
     Annotation around{marks.title, {}, marks.color_bar};
     for (std::size_t n = 0; n < made.layers.size(); ++n) {
-        if (!made.request.layers[n].visible) continue;
         const ResolvedPicture& layer = made.layers[n];
+        if (layer.field.field.empty()) continue;  // hidden, or a surface
         const auto same = std::ranges::count_if(made.layers, [&](const ResolvedPicture& other) {
             return other.field.field == layer.field.field;
         });

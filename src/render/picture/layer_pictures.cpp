@@ -1,4 +1,4 @@
-// layer_pictures.cpp: volume pictures of several layers: of voxels alone exactly, else by depth slabs.
+// layer_pictures.cpp: volume pictures of several layers: of voxels and surfaces alone exactly, else by depth slabs.
 #include <algorithm>
 
 #include "render/layers/slab_layers.h"
@@ -7,56 +7,92 @@
 
 namespace vog::pictures {
 
-VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const PreparedLayer> prepared,
+namespace {
+
+/// Light that reaches the layers, which shadow each other. Planes do not.
+void update(LayersLight& light, const ResolvedPicture& picture,
+            std::span<const PreparedLayer> prepared,
+            std::span<const ResolvedPicture* const> of_layers, const Box& bounds) {
+    const VolumeLook look = look_of(picture);
+    const Vec3d forward =
+        frame_of(picture.camera(), picture.request.width, picture.request.height).forward;
+    const Vec3d towards = look.towards_light == Vec3d{} ? -forward : look.towards_light;
+    std::vector<ValueTransfer> transfers;
+    std::vector<const void*> data;
+    std::vector<double> opacities;
+    bool of_voxels = true;
+    for (std::size_t n = 0; n < prepared.size(); ++n) {
+        const PreparedLayer& layer = prepared[n];
+        transfers.push_back(of_layers[n]->chosen.transfer);
+        data.push_back(layer.model     ? static_cast<const void*>(layer.model)
+                       : layer.surface ? static_cast<const void*>(layer.surface)
+                                       : layer.volumes.data());
+        opacities.push_back(layer.asked->opacity.value_or(1));
+        of_voxels = of_voxels && !layer.model;
+    }
+    // Voxels first: models know what is opaque beside what is clear.
+    const auto add_extinction = [&](lights::ExtinctionLattice& lattice) {
+        for (std::size_t n = 0; n < prepared.size(); ++n)
+            for (std::size_t v = 0; v < prepared[n].volumes.size(); ++v)
+                lights::add_extinction(prepared[n].volumes[v], prepared[n].field[v], transfers[n],
+                                       lattice);
+        for (const PreparedLayer& layer : prepared)
+            if (layer.model) layer.model->add_extinction(lattice);
+        for (std::size_t n = 0; n < prepared.size(); ++n)
+            if (prepared[n].surface)
+                prepared[n].surface->add_extinction(
+                    -std::log1p(-std::min(opacities[n], kMostOpacity)), lattice);
+    };
+    if (light.data == data && light.transfers == transfers && light.opacities == opacities &&
+        light.look == look && light.towards == towards)
+        return;
+    light.reached = lights::illumination(bounds, of_voxels, add_extinction, look, forward);
+    light.data = std::move(data), light.transfers = std::move(transfers);
+    light.opacities = std::move(opacities);
+    light.look = look, light.towards = towards;
+}
+
+}  // namespace
+
+VolumeImage layered_picture(const ResolvedPicture& picture, std::span<PreparedLayer> prepared,
                             std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
                             LayersLight& light, const Progress& progress) {
     const PictureRequest& request = picture.request;
     const VolumeLook look = look_of(picture);
+    update(light, picture, prepared, of_layers, bounds);
+    const CameraFrame frame = frame_of(picture.camera(), request.width, request.height);
     std::vector<SlabRenderer*> models;
-    for (const PreparedLayer& layer : prepared)
-        if (layer.model) models.push_back(layer.model);
-    // Layers shadow each other. Voxels first: models know what is opaque beside what is clear.
-    const auto add_extinction = [&](lights::ExtinctionLattice& lattice) {
-        for (std::size_t n = 0; n < prepared.size(); ++n)
-            for (std::size_t v = 0; v < prepared[n].volumes.size(); ++v)
-                lights::add_extinction(prepared[n].volumes[v], prepared[n].field[v],
-                                       of_layers[n]->chosen.transfer, lattice);
-        for (const SlabRenderer* model : models) model->add_extinction(lattice);
-    };
-    const Vec3d forward = frame_of(picture.camera(), request.width, request.height).forward;
-    const Vec3d towards = look.towards_light == Vec3d{} ? -forward : look.towards_light;
-    std::vector<ValueTransfer> transfers;
-    std::vector<const void*> data;
+    std::vector<std::unique_ptr<reference::LitRays>> rays;
+    Box box;
     for (std::size_t n = 0; n < prepared.size(); ++n) {
-        const PreparedLayer& layer = prepared[n];
-        transfers.push_back(of_layers[n]->chosen.transfer);
-        data.push_back(layer.model ? static_cast<const void*>(layer.model) : layer.volumes.data());
+        PreparedLayer& layer = prepared[n];
+        const double opacity = layer.asked->opacity.value_or(1);
+        const ValueTransfer& transfer = of_layers[n]->chosen.transfer;
+        if (layer.model) {
+            models.push_back(layer.model);
+        } else if (layer.surface) {
+            rays.insert(rays.begin(),
+                        std::make_unique<layers::SurfaceRays>(*layer.surface, layer.asked->color,
+                                                              opacity, look, light.reached));
+        } else if (const auto& plane = layer.asked->plane) {
+            const bool holes =
+                layer.asked->transfer.threshold || !layer.asked->transfer.bands.empty();
+            rays.insert(rays.begin(), std::make_unique<layers::PlaneRays>(
+                                          ClipPlane{plane->normal, *plane->offset},
+                                          std::move(layer.plane), transfer, holes, opacity, frame));
+        } else {
+            for (const Volume& volume : layer.volumes) box.include(world_box(volume));
+            rays.push_back(std::make_unique<reference::VoxelRays>(
+                layer.volumes, layer.field, transfer, look, light.reached, layer.voxels));
+        }
     }
-    if (light.data != data || light.transfers != transfers || light.look != look ||
-        light.towards != towards)
-        light = {std::move(data), std::move(transfers), look, towards,
-                 lights::illumination(bounds, models.empty(), add_extinction, look, forward)};
-    const lights::Illumination& reached = light.reached;
-    std::vector<layers::VoxelLayer> voxels;
-    for (std::size_t n = 0; n < prepared.size(); ++n) {
-        const PreparedLayer& layer = prepared[n];
-        if (layer.model) continue;
-        Box box;
-        for (const Volume& volume : layer.volumes) box.include(world_box(volume));
-        voxels.push_back({{layer.volumes, layer.field, of_layers[n]->chosen.transfer, look, reached,
-                           layer.voxels},
-                          box});
-    }
-    VolumeImage image{request.width, request.height, {}};
-    if (models.empty()) {
-        std::vector<reference::VoxelRays> rays;
-        for (layers::VoxelLayer& layer : voxels) rays.push_back(std::move(layer.rays));
+    if (models.empty())
         return reference::render_layers_reference(rays, picture.camera(), request.width,
                                                   request.height,
                                                   {progress, request.options.samples}, look);
-    }
-    layers::draw_slabs(models, voxels, picture.camera(), depth_slabs(request), look.clip, reached,
-                       image);
+    VolumeImage image{request.width, request.height, {}};
+    layers::draw_slabs(models, rays, box, picture.camera(), depth_slabs(request), look.clip,
+                       light.reached, image);
     if (progress) progress(1);
     return image;
 }

@@ -36,17 +36,32 @@ ResolvedPicture of_period(ResolvedPicture picture, const Scene& scene) {
     return picture;
 }
 
+/// Values of a layer on its plane, NaN outside of the data.
+std::vector<float> on_plane(SourceRenderer& renderer, ResolvedPicture picture, const Scene& scene) {
+    if (!scene.has_voxels())
+        if (const ScalarField* field = scene.model().model->fields.find_scalar(picture.field.field);
+            field && field->is_measure)
+            picture.background = field->background, picture.field = {};
+    Sums sums;
+    SourceRenderer::take(renderer.slice(picture, picture.field, {}), sums);
+    set_slice(picture, sums);
+    return std::move(sums.slice);
+}
+
 }  // namespace
 
 struct PictureRenderer::State {
     Scene scene;
     std::map<std::pair<Renderer, Prepared>, std::unique_ptr<SourceRenderer>> by{};
     std::vector<std::unique_ptr<SourceRenderer>> of_layers{};  ///< [Scene::layers]
+    std::map<const Surface*, layers::SurfaceBvh> surfaces{};   ///< of layers
     std::optional<Prepared> layers_prepared{};                 ///< options of theirs
     LayersLight light{};
     DrawReport report{};
 
-    bool is_empty() const { return !scene.has_voxels() && scene.model().model->size() == 0; }
+    bool is_empty() const {
+        return !scene.has_voxels() && !scene.has_surface() && scene.model().model->size() == 0;
+    }
     bool several() const { return scene.collective && scene.collective->several(); }
 
     std::unique_ptr<SourceRenderer> made(const Scene& of, Renderer renderer,
@@ -95,12 +110,28 @@ struct PictureRenderer::State {
         Box bounds;
         for (std::size_t n = 0; n < scene.layers.size(); ++n) {
             const Scene& layer = scene.layers[n];
-            if (layer.sources.empty() || !picture.request.layers[n].visible) continue;
+            const Layer& asked = picture.request.layers[n];
+            if (layer.sources.empty() || !asked.visible) continue;
+            if (layer.has_surface()) {
+                const auto& surface = std::get<SurfaceSource>(layer.sources.front()).surface;
+                resolved.push_back(&picture.layers[n]);
+                prepared.push_back(
+                    {.surface = &surfaces.try_emplace(surface.get(), surface).first->second,
+                     .asked = &asked});
+                bounds.include(layer.subject.box);
+                continue;
+            }
             if (!of_layers[n])
                 of_layers[n] = made(
                     layer, layer.has_voxels() ? Renderer::reference : Renderer::splat, options);
             resolved.push_back(&inside.emplace_back(of_period(picture.layers[n], layer)));
-            prepared.push_back(of_layers[n]->layer(inside.back()));
+            PictureRequest& own = inside.back().request;
+            own.camera = picture.request.camera;
+            own.width = picture.request.width, own.height = picture.request.height;
+            prepared.push_back(
+                asked.plane ? PreparedLayer{.plane = on_plane(*of_layers[n], inside.back(), layer)}
+                            : of_layers[n]->layer(inside.back()));
+            prepared.back().asked = &asked;
             bounds.include(layer.has_voxels() ? layer.subject.box : view_box(*layer.model().model));
         }
         sums.width = picture.request.width, sums.height = picture.request.height;

@@ -50,8 +50,9 @@ class ReferencePictures : public SourceRenderer {
     }
 
     PreparedLayer layer(const ResolvedPicture& picture) override {
-        return {nullptr, volumes(), values(sources_.front(), picture.field.field),
-                interpolation_of_values()};
+        return {.volumes = volumes(),
+                .field = values(sources_.front(), picture.field.field),
+                .voxels = interpolation_of_values()};
     }
 
   protected:

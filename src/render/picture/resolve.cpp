@@ -131,6 +131,23 @@ PictureRequest request_of(const Layer& layer, const PictureRequest& whole, bool 
     return request;
 }
 
+/// throws  RequestError for members of a layer that its kind has not
+void require_layer_effects(const Layer& layer, bool is_surface) {
+    const TransferRequest& t = layer.transfer;
+    const bool has_values = !layer.field.empty() || layer.plane || t.range || t.log || t.window ||
+                            !t.bands.empty() || t.threshold || t.unit_distance ||
+                            !t.points.points.color.empty() || layer.fit != ScaleFit::automatic;
+    if (is_surface && has_values)
+        throw RequestError("layers", ": a surface has no values, expected color or opacity");
+    if (!is_surface && layer.color)
+        throw RequestError("layers", ": color is of surfaces, expected tf or band");
+    if (!is_surface && layer.opacity && !layer.plane)
+        throw RequestError(
+            "layers",
+            ": opacity is of planes and surfaces, expected unit_distance, the length "
+            "that opacities refer to");
+}
+
 /// Each layer as a picture of its own, and the request that states them.
 void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
     PictureRequest& request = picture.request;
@@ -143,9 +160,13 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         ResolvedPicture& own = picture.layers.emplace_back();
         if (!layer.visible) continue;
         const Scene& data = scene.layers[n];
+        require_layer_effects(layer, data.has_surface());
+        if (data.has_surface()) continue;
         own = resolve(request_of(layer, request, data.has_voxels()), data);
         if (!layer.field.empty()) layer.field = own.field.field;
         layer.transfer = own.request.transfer, layer.fit = own.request.fit;
+        if (layer.plane) layer.plane = resolved_plane(*layer.plane, {}, data.subject);
+        own.request.plane = layer.plane;
         if (names.empty()) picture.field = own.field, picture.chosen = own.chosen;
         names += (names.empty() ? "" : ", ") + field_label(own.field);
     }
@@ -157,14 +178,17 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
 Scene scene_of_layers(std::vector<Scene> layers) {
     Scene scene;
     for (const Scene& layer : layers) {
-        if (layer.sources.empty()) continue;
+        if (layer.sources.empty() || layer.has_surface()) continue;
         if (scene.sources.empty())
             scene = layer;
         else
             scene.subject.include(layer.subject);
     }
     if (scene.sources.empty())
-        throw RequestError("layers", " are all hidden, expected a visible one");
+        throw RequestError("layers",
+                           " are all hidden or surfaces, expected a visible model or volume");
+    for (const Scene& layer : layers)
+        if (!layer.sources.empty() && layer.has_surface()) scene.subject.include(layer.subject);
     scene.layers = std::move(layers);
     return scene;
 }
@@ -185,6 +209,15 @@ Scene scene_of(Volume volume) {
     VolumeSet set;
     set.volumes.push_back(std::move(volume));
     return scene_of(std::make_shared<const VolumeSet>(std::move(set)));
+}
+
+Scene scene_of(std::shared_ptr<const Surface> surface) {
+    Scene scene;
+    Box box;
+    for (const Vec3d& point : surface->point) box.include(point);
+    scene.subject = Subject(box);
+    scene.sources.push_back(SurfaceSource{std::move(surface)});
+    return scene;
 }
 
 Scene scene_of(std::shared_ptr<const VolumeSet> volumes) {
@@ -241,7 +274,7 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     ResolvedPicture picture;
     const bool models =
         !scene.has_voxels() || std::ranges::any_of(scene.layers, [](const Scene& s) {
-            return !s.sources.empty() && !s.has_voxels();
+            return !s.sources.empty() && !s.has_voxels() && !s.has_surface();
         });
     const RenderInput input = models                              ? RenderInput::gaussians
                               : scene.voxels().volumes->is_mesh() ? RenderInput::levels

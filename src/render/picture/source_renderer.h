@@ -8,6 +8,7 @@
 
 #include "render/by_value/volume_image.h"
 #include "render/gpu/sums/gpu_sums.h"
+#include "render/layers/surface_rays.h"
 #include "render/reference/reference.h"
 #include "render/slice/slice.h"
 #include "render/splat/volume/volume_splat.h"
@@ -17,7 +18,10 @@ namespace vog::pictures {
 
 /// A layer of a volume picture, prepared.
 struct PreparedLayer {
-    SlabRenderer* model = nullptr;  ///< null: of voxels
+    SlabRenderer* model = nullptr;  ///< null: of voxels, a plane or a surface
+    const layers::SurfaceBvh* surface = nullptr;
+    std::vector<float> plane{};  ///< [height * width] values on the layer's plane
+    const Layer* asked = nullptr;
     std::span<const Volume> volumes{};
     std::span<const VoxelField> field{};  ///< [volumes]
     VoxelGridOptions voxels{};
@@ -124,8 +128,9 @@ std::unique_ptr<SourceRenderer> gpu_voxel_pictures(const VoxelSource& source);
 
 /// Light that reaches layers, kept while neither these nor the light change.
 struct LayersLight {
-    std::vector<const void*> data{};  ///< models, or volumes
+    std::vector<const void*> data{};  ///< models, volumes, or surfaces
     std::vector<ValueTransfer> transfers{};
+    std::vector<double> opacities{};
     VolumeLook look{};
     Vec3d towards{};
     lights::Illumination reached{};
@@ -135,7 +140,7 @@ struct LayersLight {
 /// picture    its request, clip included
 /// of_layers  resolved, each of its data
 /// bounds     box of all, world units
-VolumeImage layered_picture(const ResolvedPicture& picture, std::span<const PreparedLayer> prepared,
+VolumeImage layered_picture(const ResolvedPicture& picture, std::span<PreparedLayer> prepared,
                             std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
                             LayersLight& light, const Progress& progress);
 /// Options of a slice, which are those of the request.

@@ -32,7 +32,9 @@ class SplatPictures : public SourceRenderer {
                                   request.options.clip);
     }
 
-    PreparedLayer layer(const ResolvedPicture& picture) override { return {&slabs(picture)}; }
+    PreparedLayer layer(const ResolvedPicture& picture) override {
+        return {.model = &slabs(picture)};
+    }
 
   protected:
     FieldMaps section(const ResolvedPicture& picture, const FieldChoice& choice,

@@ -58,7 +58,9 @@ Json word_value(const std::string& text) {
     const bool whole = number == std::floor(number) && std::abs(number) < 1e15;
     return whole ? Json(static_cast<std::int64_t>(number)) : Json(number);
 }
-/// A word, or words between commas.
+
+}  // namespace
+
 Json words_value(const std::string& text) {
     if (text.find(',') == text.npos) return word_value(text);
     Json parts = Json::array();
@@ -69,7 +71,6 @@ Json words_value(const std::string& text) {
     return parts;
 }
 
-}  // namespace
 }  // namespace requests
 
 std::string request_json(const PictureRequest& request) {

@@ -9,13 +9,13 @@ namespace vog::requests {
 namespace {
 
 /// Members of requests that a layer has, too.
-constexpr const char* kKeys[] = {"field",  "tf",    "range",     "scale",
-                                 "window", "bands", "threshold", "unit_distance"};
+constexpr const char* kKeys[] = {"field", "tf",        "range",         "scale", "window",
+                                 "bands", "threshold", "unit_distance", "plane"};
 
 /// Those of a command line.
 constexpr const char* kWords =
-    "a file first, then grid, field, tf, range, scale, window, band, iso, threshold or "
-    "unit-distance, "
+    "a file first, then grid, field, tf, range, scale, window, band, iso, threshold, "
+    "unit-distance, plane, color or opacity, "
     "each with = and a value";
 
 bool is_key(const std::string& key) { return std::ranges::count(kKeys, key) > 0; }
@@ -29,10 +29,12 @@ PictureRequest request_of(const Layer& layer) {
     PictureRequest request;
     request.show = Show::volume;
     request.field = layer.field, request.transfer = layer.transfer, request.fit = layer.fit;
+    request.plane = layer.plane;
     return request;
 }
 /// throws  RequestError for members without effect beside each other
 void set(Layer& layer, PictureRequest request) {
+    layer.plane = std::move(request.plane), request.plane.reset();
     require_effects(request);
     layer.field = std::move(request.field), layer.transfer = std::move(request.transfer);
     layer.fit = request.fit;
@@ -43,12 +45,26 @@ Json layer_json(const Layer& layer) {
     Json json = {{"input", layer.input}};
     if (!layer.grid.empty()) json["grid"] = layer.grid;
     if (!layer.visible) json["visible"] = false;
+    if (layer.color) json["color"] = *layer.color;
+    if (layer.opacity) json["opacity"] = *layer.opacity;
     for (const char* key : kKeys) {
         const Values& values = entry_of(key).values;
         if (Json value = values.write(request); value != values.write(unset))
             json[key] = std::move(value);
     }
     return json;
+}
+
+/// Sets a member that layers alone have.
+/// returns  whether it is one
+bool set_own(Layer& layer, const std::string& key, const Json& value) {
+    if (key == "color")
+        layer.color = rgb_of(key, value);
+    else if (key == "opacity")
+        layer.opacity = checked<double>(key, value, {1e-4, 1, "a number from 0.0001 to 1"});
+    else
+        return false;
+    return true;
 }
 
 Layer layer_of(const Json& json) {
@@ -62,9 +78,12 @@ Layer layer_of(const Json& json) {
             layer.grid = checked<std::string>("layers", value, {});
         else if (key == "visible")
             layer.visible = checked<bool>("layers", value, {});
+        else if (value.is_null() || set_own(layer, key, value))
+            continue;
         else if (!is_key(key))
-            refuse_key(key, fmt::format("input, grid, visible, {}", fmt::join(kKeys, ", ")));
-        else if (!value.is_null())
+            refuse_key(key, fmt::format("input, grid, visible, color, opacity, {}",
+                                        fmt::join(kKeys, ", ")));
+        else
             entry_of(key).values.read(key, value, request);
     }
     set(layer, std::move(request));
@@ -98,8 +117,10 @@ Layer layer_of_words(const std::string& text) try {
         std::string key = word.substr(0, word.find('='));
         std::ranges::replace(key, '-', '_');
         if (key == "band" || key == "iso") key = "bands";
+        if (key == "colour") key = "color";
         if (has_value) {
-            if (!is_key(key) && key != "grid") refuse_key(key, kWords);
+            if (!is_key(key) && key != "grid" && key != "color" && key != "opacity")
+                refuse_key(key, kWords);
             if (key != "bands" && std::ranges::count(members, key, &Word::first) > 0)
                 throw RequestError("layers",
                                    fmt::format(" {}: {} twice", printable(text, 80), key));
@@ -119,7 +140,7 @@ Layer layer_of_words(const std::string& text) try {
             bands.push_back(value);
         else if (key == "grid")
             layer.grid = value;
-        else
+        else if (!set_own(layer, key, words_value(value)))
             set_member(request, key, {value});
     }
     if (!bands.empty()) set_member(request, "bands", bands);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <functional>
@@ -123,7 +124,12 @@ Values layers_values();  // request_layers.cpp
 /// A layer of a command line: "stars.ply,field=age,tf=inferno,range=0,1", where the file may be missing.
 /// throws  RequestError for words that are none of its values
 Layer layer_of_words(const std::string& text);
+/// Words of a command line as JSON: numbers, rows of them, else text.
+Json words_value(const std::string& text);
 /// Colours by their names in CSS: "black, white, ..."
 std::string color_names();
+/// Colour of a band or a surface: [r, g, b], a name or "#rrggbb".
+/// throws  RequestError for another value
+std::array<float, 3> rgb_of(const std::string& key, const Json& value);
 
 }  // namespace vog::requests

@@ -27,10 +27,13 @@ constexpr NamedColor kColors[] = {{"black", {0, 0, 0}},         {"white", {1, 1,
                                   {"purple", {0.5f, 0, 0.5f}},  {"pink", {1, 0.753f, 0.796f}},
                                   {"ivory", {1, 1, 0.941f}},    {"tan", {0.824f, 0.706f, 0.549f}}};
 
-/// Colour of a band: [r, g, b], a name or "#rrggbb".
-std::array<float, 3> band_color(const std::string& key, const Json& value) {
+}  // namespace
+
+std::array<float, 3> rgb_of(const std::string& key, const Json& value) {
     if (!value.is_string()) {
         const std::vector<double> c = row(key, value, 3, "a colour r,g,b");
+        if (std::ranges::any_of(c, [](double part) { return !(part >= 0 && part <= 1); }))
+            refuse(key, value, "a colour r,g,b, each 0 to 1");
         return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
     }
     const std::string text = value;
@@ -44,6 +47,8 @@ std::array<float, 3> band_color(const std::string& key, const Json& value) {
     };
     return {part(1), part(3), part(5)};
 }
+
+namespace {
 
 Json bands_json(const std::vector<ValueBand>& bands) {
     Json rows;
@@ -68,7 +73,7 @@ void set_bands(const std::string& key, const Json& value, std::vector<ValueBand>
         band.lower = number(key, one[0], "a number as value");
         band.upper = surface || one[1].is_null() ? std::numeric_limits<double>::infinity()
                                                  : number(key, one[1], "a number as value");
-        const auto color = band_color(key, one[surface ? 1 : 2]);
+        const auto color = rgb_of(key, one[surface ? 1 : 2]);
         band.r = color[0], band.g = color[1], band.b = color[2];
         band.opacity = surface ? kMostOpacity : number(key, one[3], "a number as opacity");
         bands.push_back(band);

@@ -1,7 +1,8 @@
-// ray_light.h: Light along a ray from pieces of constant extinction and colour, and voxels as such pieces.
+// ray_light.h: Light along a ray from pieces of constant extinction and colour, and what a ray meets as such pieces.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <span>
@@ -26,8 +27,39 @@ struct LitPiece {
     ValueLight light;
 };
 
+/// Length of the piece of a surface, in shares of its t: short beside all others, which it hides.
+inline constexpr double kSurfaceLength = 1e-9;
+/// Whether a run is one of a surface.
+inline bool is_surface(const Segment& run) {
+    return run.last - run.first < 1.5 * kSurfaceLength * run.last;
+}
+/// Appends a surface; an opaque one ends the ray.
+/// opacity  (0, 1]
+/// color    its extinction has no effect
+/// stretch  world units of one t
+/// within   of the ray, ends with an opaque surface
+inline void add_surface(double t, double opacity, ValueLight color, double stretch, Segment& within,
+                        std::vector<LitPiece>& pieces) {
+    constexpr double kOpaqueDepth = 40;
+    const double extent = kSurfaceLength * t;
+    const double depth = opacity < 1 ? std::min(-std::log1p(-opacity), kOpaqueDepth) : kOpaqueDepth;
+    color.extinction = depth / (extent * stretch);
+    pieces.push_back({{t, t + extent}, color});
+    if (opacity >= 1) within.last = std::min(within.last, t);
+}
+
+/// What rays meet, as pieces of light.
+class LitRays {
+  public:
+    virtual ~LitRays() = default;
+    /// Appends the pieces on a ray, in any order.
+    /// within  ends where nothing behind is visible
+    virtual void add(Vec3d origin, Vec3d direction, Segment& within,
+                     std::vector<LitPiece>& pieces) const = 0;
+};
+
 /// A field at the voxels of volumes as pieces of light.
-class VoxelRays {
+class VoxelRays : public LitRays {
   public:
     /// volumes, fields  as of render_volume_reference; they must outlive this, as `reached` must
     /// reached          light at points of the world
@@ -35,12 +67,12 @@ class VoxelRays {
     VoxelRays(std::span<const Volume> volumes, std::span<const VoxelField> fields,
               const ValueTransfer& transfer, const VolumeLook& look,
               const lights::Illumination& reached, const VoxelGridOptions& voxels);
-    ~VoxelRays();
-    VoxelRays(VoxelRays&&) noexcept;
-    VoxelRays& operator=(VoxelRays&&) noexcept;
+    ~VoxelRays() override;
+    VoxelRays(const VoxelRays&) = delete;
+    VoxelRays& operator=(const VoxelRays&) = delete;
 
-    /// Appends the pieces on a ray, in any order.
-    void add(Vec3d origin, Vec3d direction, Segment within, std::vector<LitPiece>& pieces) const;
+    void add(Vec3d origin, Vec3d direction, Segment& within,
+             std::vector<LitPiece>& pieces) const override;
 
   private:
     struct State;
@@ -48,7 +80,8 @@ class VoxelRays {
 };
 
 /// The picture of several such, exactly: extinctions add up. Clips as of render_volume_reference.
-[[nodiscard]] VolumeImage render_layers_reference(std::span<const VoxelRays> layers,
+/// layers  surfaces first: what they hide takes no time
+[[nodiscard]] VolumeImage render_layers_reference(std::span<const std::unique_ptr<LitRays>> layers,
                                                   const Camera& camera, int width, int height,
                                                   const ReferenceOptions& options,
                                                   const VolumeLook& look);

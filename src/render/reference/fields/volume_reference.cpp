@@ -271,25 +271,23 @@ VoxelRays::VoxelRays(std::span<const Volume> volumes, std::span<const VoxelField
         state_->linear.emplace(one_of(volumes), fields.front(), voxels);
 }
 VoxelRays::~VoxelRays() = default;
-VoxelRays::VoxelRays(VoxelRays&&) noexcept = default;
-VoxelRays& VoxelRays::operator=(VoxelRays&&) noexcept = default;
 
-void VoxelRays::add(Vec3d origin, Vec3d direction, Segment within,
+void VoxelRays::add(Vec3d origin, Vec3d direction, Segment& within,
                     std::vector<LitPiece>& pieces) const {
     const WorldRay ray(origin, direction);
     state_->linear ? add_pieces(*state_->linear, state_->lighting, ray, within, pieces)
                    : add_pieces(state_->grids, state_->lighting, ray, within, pieces);
 }
 
-VolumeImage render_layers_reference(std::span<const VoxelRays> layers, const Camera& camera,
-                                    int width, int height, const ReferenceOptions& options,
-                                    const VolumeLook& look) {
+VolumeImage render_layers_reference(std::span<const std::unique_ptr<LitRays>> layers,
+                                    const Camera& camera, int width, int height,
+                                    const ReferenceOptions& options, const VolumeLook& look) {
     return picture_of(camera, width, height, options, look.clip,
                       [&](const WorldRay& ray, Segment within) {
                           thread_local std::vector<LitPiece> pieces;
                           pieces.clear();
-                          for (const VoxelRays& layer : layers)
-                              layer.add(ray.origin, ray.direction, within, pieces);
+                          for (const std::unique_ptr<LitRays>& layer : layers)
+                              layer->add(ray.origin, ray.direction, within, pieces);
                           Compositor light;
                           composite(pieces, ray.stretch, light);
                           return light;

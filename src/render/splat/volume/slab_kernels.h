@@ -155,6 +155,17 @@ struct LayerCell {
     const SlabLight* light = nullptr;  ///< null: channels are red, green, blue and tau
 };
 
+/// A surface in a slab of a pixel.
+struct SlabSurface {
+    int slab;
+    std::uint32_t pixel;  ///< of the cell
+    float share;          ///< of the slab that lies in front of it
+    std::array<float, 4>
+        front;  ///< what else lies between it and the one before: colour times tau, tau
+    std::array<float, 3> color;
+    float opacity;
+};
+
 /// The loops for one SIMD target.
 struct SlabKernels {
     /// Adds all splats.
@@ -167,9 +178,13 @@ struct SlabKernels {
     /// Largest mean over slabs: red, a share of the field's range, with alpha 1 where there is one.
     /// most_share  of the field's range per unit of kTau in a slab
     void (*maximum)(float most_share, SlabCell& cell);
-    /// Composites cells of one place under the same depths.
-    /// seen  receives premultiplied colour and transmittance
-    void (*composite_layers)(std::span<const LayerCell> layers, std::array<CellPixels, 4>& seen);
+    /// Composites cells of one place under the same depths, and surfaces between. In front of a surface lies its share of a model's slab,
+    /// which is even along the ray.
+    /// surfaces  sorted by slab, then by pixel, then by share
+    /// seen      receives premultiplied colour and transmittance
+    void (*composite_layers)(std::span<const LayerCell> layers,
+                             std::span<const SlabSurface> surfaces,
+                             std::array<CellPixels, 4>& seen);
 };
 /// Those of the same target as `kernels`.
 const SlabKernels& slab_kernels(const SplatKernels& kernels);

@@ -58,8 +58,34 @@ bool composite_sums(D d, const std::array<CellPixels, 4>& sums, std::array<CellP
     return hidden;
 }
 
+/// Composites the surfaces of a slab and what lies in front of them; leaves the sums behind.
+/// surfaces  of the slab
+/// sums      of models
+inline void composite_surfaces(std::span<const SlabSurface> surfaces,
+                               std::array<CellPixels, 4>& sums, std::array<CellPixels, 4>& seen) {
+    float before = 0;
+    for (std::size_t n = 0; n < surfaces.size(); ++n) {
+        const SlabSurface& surface = surfaces[n];
+        const std::uint32_t p = surface.pixel;
+        if (n == 0 || surfaces[n - 1].pixel != p) before = 0;
+        const float part = before < 1 ? (surface.share - before) / (1 - before) : 0;
+        before = surface.share;
+        const float tau = part * sums[3][p] + surface.front[3];
+        const float weight = seen[3][p] * (tau > 1e-6f ? -std::expm1(-tau) / tau : 1);
+        const float through = seen[3][p] * std::exp(-tau);
+        for (std::size_t c = 0; c < 3; ++c) {
+            seen[c][p] += weight * (part * sums[c][p] + surface.front[c]) +
+                          through * surface.opacity * surface.color[c];
+            sums[c][p] *= 1 - part;
+        }
+        sums[3][p] *= 1 - part;
+        seen[3][p] = through * (1 - surface.opacity);
+    }
+}
+
 template <class Tags>
-void composite_layers(std::span<const LayerCell> layers, std::array<CellPixels, 4>& seen) {
+void composite_layers(std::span<const LayerCell> layers, std::span<const SlabSurface> surfaces,
+                      std::array<CellPixels, 4>& seen) {
     const typename Tags::Floats d;
     std::vector<CellView> views(layers.size());
     int lowest = kMostSlabs, highest = -1;
@@ -73,17 +99,21 @@ void composite_layers(std::span<const LayerCell> layers, std::array<CellPixels, 
     alignas(64) std::array<CellPixels, 4> sums;
     for (int slab = lowest; slab <= highest; ++slab) {
         sums = {};
-        for (std::size_t n = 0; n < layers.size(); ++n) {
-            SlabCell& cell = *layers[n].cell;
-            if (slab < cell.lowest || slab > cell.highest) continue;
-            if (layers[n].light) {
-                add_slab(d, *layers[n].light, slab, views[n], cell, seen[3], sums);
-                continue;
-            }
-            for (std::size_t c = 0; c < 4; ++c)
+        const auto meets = [&](const LayerCell& layer) {
+            return slab >= layer.cell->lowest && slab <= layer.cell->highest;
+        };
+        for (std::size_t n = 0; n < layers.size(); ++n)
+            if (layers[n].light && meets(layers[n]))
+                add_slab(d, *layers[n].light, slab, views[n], *layers[n].cell, seen[3], sums);
+        const auto behind = std::ranges::find_if(
+            surfaces, [&](const SlabSurface& surface) { return surface.slab > slab; });
+        const auto here = static_cast<std::size_t>(behind - surfaces.begin());
+        composite_surfaces(surfaces.first(here), sums, seen);
+        surfaces = surfaces.subspan(here);
+        for (const LayerCell& layer : layers)
+            for (std::size_t c = 0; c < 4 && !layer.light && meets(layer); ++c)
                 for (std::size_t p = 0; p < kCellPixels; ++p)
-                    sums[c][p] += cell.slab(slab)[c].pixel[p];
-        }
+                    sums[c][p] += layer.cell->slab(slab)[c].pixel[p];
         if (composite_sums(d, sums, seen)) return;
     }
 }
