@@ -87,6 +87,7 @@ class Program {
         if (options.color_scale) session_.set_scale(*options.color_scale);
         session_.choose_transfer = options.choose_transfer;
         session_.open_film = options.open_film;
+        if (options.layers.scene) session_.set_layers(options.layers);
         if (options.steps)
             session_.open_steps(options.files);
         else if (!options.files.empty())

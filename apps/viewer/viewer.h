@@ -27,6 +27,7 @@ struct ViewerOptions {
     std::optional<ColorScale> color_scale{};
     ScaleFit fit = ScaleFit::automatic;  ///< of a scale that is fitted to the first view
     ChooseTransfer choose_transfer{};    ///< of volume
+    LayeredData layers{};                ///< of volume
     bool steps = false;                  ///< the files are models, steps in time
     OpenFilm open_film{};
     ReadFiles read;

@@ -436,6 +436,34 @@ TEST_F(view_command, pictures_keep_their_request) {
     EXPECT_EQ(read_text(dir_ / "pasted.png"), read_text(dir_ / "again.png"));
 }
 
+TEST_F(view_command, layers_are_the_command_lines) {
+    make_cloud();
+    must("sample explosion other.vdb --size 64");
+    must("export other.vdb --iso 0.5 -o other.stl");
+    const std::string layers =
+        " --show volume --layer tf=hot --layer other.vdb,tf=viridis --layer other.stl,color=white";
+    play("cloud.ply",
+         "size 500 700\noverlay off\ncolorbar off\nwait\npicture all.png\npress layer 2\nwait\n"
+         "picture two.png\npress layer 2\npress layer 3\npress layer 1\nwait\npicture one.png\n",
+         layers);
+    must("render --request all.png -o again.png");
+    expect_same_picture("again.png", "all.png");
+    const PictureRecord record = read_record(dir_ / "all.png");
+    ASSERT_EQ(record.request.layers.size(), 3u);
+    EXPECT_EQ(record.inputs, (std::vector<std::string>{"cloud.ply", "other.vdb", "other.stl"}));
+    // Hidden ones are empty.
+    for (const char* picture : {"two.png", "one.png"}) {
+        must(std::string("render --request ") + picture + " -o again.png");
+        expect_same_picture("again.png", picture);
+        EXPECT_LT(compare(read_image(dir_ / picture), read_image(dir_ / "all.png")).psnr_db, 40);
+    }
+    must_fail(2,
+              "view cloud.ply other.vdb --headless --script play.vog --show volume --layer tf=hot",
+              "other.vdb is in no layer");
+    must_fail(1, "view cloud.ply --headless --script play.vog --show volume --layer field=none",
+              "none");
+}
+
 TEST_F(view_command, mouse_and_keys_reach_quantities) {
     make_cloud();
     const auto values = [&](const std::string& file) {

@@ -15,8 +15,12 @@
 #include "options/option_effects.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
+#include "pictures/request_file.h"
+#include "pictures/scene_inputs.h"
 #include "terminal/terminal.h"
+#include "terminal/usage_error.h"
 #include "vog/error.h"
+#include "vog/request_schema.h"
 #include "vog/shade.h"
 #include "vog/site.h"
 #ifdef VOG_VIEWER
@@ -127,6 +131,19 @@ class FilmSink : public viewer::PictureSink {
     Film film_;
 };
 
+/// Reads the layers of volume pictures. The window opens the first input as it does without them.
+void take_layers(viewer::ViewerOptions& options, const WindowArguments& arguments,
+                 PictureRequest request) {
+    if (arguments.steps) throw UsageError("--layer: has no effect on steps in time");
+    vog::require_effects(request);
+    DrawingArguments drawing{arguments.inputs, {}, arguments.volume, arguments.points, {}};
+    place_layers(drawing, request);
+    options.layers.scene = std::make_shared<const Scene>(load_layers(drawing, request, {}).scene);
+    options.layers.layers = request.layers;
+    options.layers.inputs = drawing.layer_inputs;
+    options.files = drawing.inputs;
+}
+
 void open_viewer(WindowArguments arguments, const GivenOptions& command) {
     // Models that one pattern matches are steps in time.
     const bool pattern = arguments.inputs.size() == 1;
@@ -162,6 +179,7 @@ void open_viewer(WindowArguments arguments, const GivenOptions& command) {
         return camera_from(arguments.view, command, subject, aspect);
     };
     const PictureRequest request = arguments.words.over();
+    if (!request.layers.empty()) take_layers(options, arguments, request);
     options.extinction = request.extinction.value_or(options.extinction);
     viewer::load_map(options.look, arguments.words.word("tf", default_map(request.show)));
     options.look.shading = request.shading;
@@ -215,6 +233,7 @@ void add_view(CLI::App& app) {
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
     add_shown_options(*command, arguments->words);
+    add_member_options(*command, arguments->words, {"layers"});
     add_threads_option(*command, arguments->threads);
     command->callback([arguments, command] { open_viewer(*arguments, GivenOptions(*command)); });
 }

@@ -122,8 +122,24 @@ void take_channels(RenderArguments& arguments) {
                      input, channels)});
 }
 
-/// Inputs of layers: those of the command line, and the files that layers name. The first one is the picture's.
-/// throws  UsageError for a layer of an input that is not there
+/// Whether --request is JSON or a page's link itself, not a file.
+bool is_text(const std::string& request) {
+    const std::size_t first = request.find_first_not_of(" \t\r\n");
+    std::error_code code;
+    return first != request.npos &&
+           (request[first] == '{' ||
+            (request.find('#') != request.npos && !std::filesystem::exists(request, code)));
+}
+
+/// throws  vog::Error for text or a file that states no picture
+PictureRecord record_in(const std::string& request) {
+    if (!is_text(request)) return read_record(request);
+    return request.find('{') < request.find('#') ? record_of_json(request)
+                                                 : record_of_link(request);
+}
+
+}  // namespace
+
 void place_layers(DrawingArguments& drawing, PictureRequest& request) {
     if (request.layers.empty()) return;
     // The command's input is a layer with defaults where none is of it.
@@ -151,24 +167,6 @@ void place_layers(DrawingArguments& drawing, PictureRequest& request) {
                             all[n], all[n]));
     drawing.inputs.resize(1);
 }
-
-/// Whether --request is JSON or a page's link itself, not a file.
-bool is_text(const std::string& request) {
-    const std::size_t first = request.find_first_not_of(" \t\r\n");
-    std::error_code code;
-    return first != request.npos &&
-           (request[first] == '{' ||
-            (request.find('#') != request.npos && !std::filesystem::exists(request, code)));
-}
-
-/// throws  vog::Error for text or a file that states no picture
-PictureRecord record_in(const std::string& request) {
-    if (!is_text(request)) return read_record(request);
-    return request.find('{') < request.find('#') ? record_of_json(request)
-                                                 : record_of_link(request);
-}
-
-}  // namespace
 
 void take_request(RenderArguments& arguments, GivenOptions& command) try {
     if (!command.has("--request")) {

@@ -42,7 +42,8 @@ struct BackgroundRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy;
     std::shared_ptr<const VoxelData> voxels;
-    std::optional<PictureRenderer> of_model, of_whole, of_parts;
+    std::shared_ptr<const vog::Scene> layered;
+    std::optional<PictureRenderer> of_model, of_whole, of_parts, of_layers;
     std::map<WindowRenderer, std::unique_ptr<pictures::SourceRenderer>> gpu;
 };
 
@@ -117,18 +118,22 @@ void BackgroundRenderer::work() {
 void BackgroundRenderer::draw_on_host(const PictureKey& what, const Progress& progress,
                                       RenderedPicture& rendered) {
     const bool is_depth = vog::is_depth(what.picture.request.show);
-    std::optional<PictureRenderer>& renderer = !what.voxels ? prepared_->of_model
-                                               : is_depth   ? prepared_->of_whole
-                                                            : prepared_->of_parts;
-    if (!renderer && what.voxels) {
+    std::optional<PictureRenderer>& renderer = what.layered   ? prepared_->of_layers
+                                               : !what.voxels ? prepared_->of_model
+                                               : is_depth     ? prepared_->of_whole
+                                                              : prepared_->of_parts;
+    if (!renderer && what.layered) {
+        renderer.emplace(*what.layered);
+    } else if (!renderer && what.voxels) {
         renderer.emplace(is_depth ? what.voxels->whole : what.voxels->parts);
     } else if (!renderer) {
         vog::Scene of_model;
         of_model.sources.push_back(ModelSource{what.model, what.hierarchy});
         renderer.emplace(std::move(of_model));
     }
-    const FieldUnit unit =
-        is_depth ? FieldUnit{} : unit_in(renderer->scene(), what.picture.field.field);
+    const FieldUnit unit = is_depth || what.layered
+                               ? FieldUnit{}
+                               : unit_in(renderer->scene(), what.picture.field.field);
     Sums sums;
     renderer->draw(what.picture, sums, progress);
     const auto& cut = renderer->report().cut;
@@ -145,11 +150,12 @@ void BackgroundRenderer::draw_on_gpu(const RenderRequest& request, RenderedPictu
             spare_.pop_back();
         }
     }
-    const auto& [renderer, model, hierarchy, voxels, picture] = request.what;
-    std::unique_ptr<pictures::SourceRenderer>& gpu = prepared_->gpu[renderer];
-    if (!gpu) gpu = pictures::gpu_pictures(library_renderer(renderer), {model, nullptr}, {});
-    const FieldUnit unit = viewer::unit_of(model->fields, picture.field.field);
-    gpu->draw_sums(picture, {unit.reference, unit.unit}, request.rays, sums);
+    const PictureKey& what = request.what;
+    const auto& model = what.model;
+    std::unique_ptr<pictures::SourceRenderer>& gpu = prepared_->gpu[what.renderer];
+    if (!gpu) gpu = pictures::gpu_pictures(library_renderer(what.renderer), {model, nullptr}, {});
+    const FieldUnit unit = viewer::unit_of(model->fields, what.picture.field.field);
+    gpu->draw_sums(what.picture, {unit.reference, unit.unit}, request.rays, sums);
     rendered.drawn = model->size();
     if (request.stays_on_gpu) {
         rendered.on_gpu = std::move(sums);
@@ -169,8 +175,8 @@ RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
     RenderedPicture rendered{request.key, request.rays, {}, 0, 0, {}, {}};
     PictureKey what = request.what;
     if (what.model != prepared_->model || what.hierarchy != prepared_->hierarchy ||
-        what.voxels != prepared_->voxels)
-        *prepared_ = {what.model, what.hierarchy, what.voxels, {}, {}, {}, {}};
+        what.voxels != prepared_->voxels || what.layered != prepared_->layered)
+        *prepared_ = {what.model, what.hierarchy, what.voxels, what.layered, {}, {}, {}, {}, {}};
     if (on_gpu(what.renderer)) {
         draw_on_gpu(request, rendered);
     } else {

@@ -31,14 +31,17 @@ struct VoxelData {
 /// Everything sums depend on: pictures with equal keys are equal.
 struct PictureKey {
     WindowRenderer renderer = WindowRenderer::gl;
-    std::shared_ptr<const Gaussians> model;      ///< for all renderers but voxels
-    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: no levels of detail
-    std::shared_ptr<const VoxelData> voxels;     ///< for the voxel renderer
-    ResolvedPicture picture;                     ///< sums_of
+    std::shared_ptr<const Gaussians> model;       ///< for all renderers but voxels
+    std::shared_ptr<const Hierarchy> hierarchy;   ///< of the model; null: no levels of detail
+    std::shared_ptr<const VoxelData> voxels;      ///< for the voxel renderer
+    std::shared_ptr<const vog::Scene> layered{};  ///< in place of all these; null: no layers
+    int layers = 0;                               ///< number of their latest change
+    ResolvedPicture picture;                      ///< sums_of
     PixelSize size() const { return {picture.request.width, picture.request.height}; }
     friend bool operator==(const PictureKey& a, const PictureKey& b) {
         return a.renderer == b.renderer && a.model == b.model && a.hierarchy == b.hierarchy &&
-               a.voxels == b.voxels && same_sums(a.picture, b.picture);
+               a.voxels == b.voxels && a.layered == b.layered && a.layers == b.layers &&
+               same_sums(a.picture, b.picture);
     }
 };
 

@@ -107,7 +107,8 @@ void Session::update_scene() {
     site_fault_.clear();
     settings.level = -1;
     moving_error_ = 0;
-    camera = first_camera(scene.subject);
+    if (opened > 0) layered_ = {};
+    camera = first_camera(layered_.scene ? layered_.scene->subject : scene.subject);
     set_shadows(quantity.look.shadows);
     if (opened > 0) exposure_open_ = true;
     if (!scene.voxels && settings.other == WindowRenderer::voxels)
@@ -138,14 +139,18 @@ void Session::update_moving_error() {
 }
 
 double Session::ms_per_ray(WindowRenderer renderer) const {
-    return settings.renderer == renderer ? left_.ms_per_ray() : right_.ms_per_ray();
+    return shows_layers() || settings.renderer == renderer ? left_.ms_per_ray()
+                                                           : right_.ms_per_ray();
 }
 
 PictureKey Session::key(WindowRenderer renderer) const {
     const Level* level = shown_level();
     PictureKey key;
+    if (shows_layers()) renderer = WindowRenderer::splat;
     key.renderer = renderer;
-    if (renderer == WindowRenderer::voxels)
+    if (shows_layers())
+        key.layered = layered_.scene, key.layers = layer_changes_;
+    else if (renderer == WindowRenderer::voxels)
         key.voxels = scene.voxels;
     else
         key.model = level->site && site_model_ ? site_model_ : level->model;
@@ -155,7 +160,7 @@ PictureKey Session::key(WindowRenderer renderer) const {
     request.slabs = quantity.slabs;
     request.options.clip = quantity.look.clip;
     request.camera = camera;
-    if (renderer == WindowRenderer::gl || renderer == WindowRenderer::splat) {
+    if (key.model && (renderer == WindowRenderer::gl || renderer == WindowRenderer::splat)) {
         key.hierarchy = level->hierarchy;
         request.options.pixel_error = pixel_error();
     }
@@ -166,7 +171,8 @@ PictureKey Session::key(WindowRenderer renderer) const {
         pixels *= 0.25;
     request.width = std::max(1, static_cast<int>(std::lround(shown_.width * pixels)));
     request.height = std::max(1, static_cast<int>(std::lround(shown_.height * pixels)));
-    key.picture = sums_of(std::move(request), quantity.field, values.now().get());
+    key.picture = key.layered ? layered_picture(request)
+                              : sums_of(std::move(request), quantity.field, values.now().get());
     return key;
 }
 

@@ -64,6 +64,13 @@ struct Measured {
     double frame_ms = 0, shade_ms = 0, gui_ms = 0;
 };
 
+/// Layers that volume pictures show in place of the model.
+struct LayeredData {
+    std::shared_ptr<const vog::Scene> scene;  ///< null: none
+    std::vector<Layer> layers;
+    std::vector<std::string> inputs;  ///< by Layer::input
+};
+
 /// Seconds of a monotonic clock.
 double steady_clock_s();
 
@@ -116,6 +123,19 @@ class Session {
     void open(const std::vector<std::string>& files);
     void show_message(const std::string& text);
     void show_error(const std::string& text);
+
+    /// throws  vog::Error as resolve() does
+    void set_layers(LayeredData data);
+    /// Whether the picture is of layers.
+    bool shows_layers() const { return layered_.scene && quantity.show == Show::volume; }
+    /// With their transfer functions.
+    const std::vector<Layer>& layers() const { return layered_.layers; }
+    /// File and field of a layer.
+    std::string layer_name(std::size_t n) const;
+    bool is_surface(std::size_t n) const { return layered_as_.layers[n].field.field.empty(); }
+    void set_layer_visible(std::size_t n, bool visible);
+    /// Colours and opacities of a layer's values, by a map's name or a file. throws  vog::Error as transfer_points does
+    void set_layer_map(std::size_t n, const std::string& name_or_file);
 
     void look_changed();
     void auto_exposure();
@@ -225,6 +245,7 @@ class Session {
     double pixel_error() const;
     double ms_per_ray(WindowRenderer renderer) const;
     PictureKey key(WindowRenderer renderer) const;
+    ResolvedPicture layered_picture(const PictureRequest& request) const;
     bool needs_right() const;
     bool at_first_view() const;
     void shade_into(const Viewport& to, bool checker) const;
@@ -240,6 +261,9 @@ class Session {
     void advance_recording();
     void update_steps();
 
+    LayeredData layered_;
+    ResolvedPicture layered_as_;  ///< resolved
+    int layer_changes_ = 0;
     SceneLoader loader_;
     ReadFiles read_;  ///< of steps
     GlRenderers gl_;

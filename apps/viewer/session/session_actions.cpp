@@ -67,9 +67,11 @@ int Session::level_index(const std::string& name) const {
 
 std::string Session::record() const {
     const PixelSize size = left_.size();
-    return record_json(
-        {request_of(quantity, look, camera, scale, values.now().get(), size.width, size.height),
-         opened_files});
+    PictureRequest request =
+        request_of(quantity, look, camera, scale, values.now().get(), size.width, size.height);
+    if (!shows_layers()) return record_json({std::move(request), opened_files});
+    request.field.clear(), request.transfer = {}, request.layers = layered_.layers;
+    return record_json({std::move(request), layered_.inputs});
 }
 
 void Session::copy_request() {

@@ -9,6 +9,7 @@
 #include "session/session.h"
 #include "vog/error.h"
 #include "vog/picture.h"
+#include "vog/text.h"
 
 namespace vog::viewer {
 
@@ -175,7 +176,7 @@ Probed Session::probe(double x, double y) const {
 
 std::string Session::probe_volume(int column, int row) const {
     const Level* level = shown_level();
-    if (!level || !values.now()) return {};
+    if (!level || !values.now() || shows_layers()) return {};
     if (probed_.column == column && probed_.row == row && probed_.revision == inspected_revision_)
         return probed_.text;
     const CameraFrame frame = frame_of(camera, inspected_.width, inspected_.height);
@@ -184,6 +185,52 @@ std::string Session::probe_volume(int column, int row) const {
         quantity.look.clip, frame.origin(column, row), frame.direction(column, row));
     probed_ = {column, row, inspected_revision_, opaque_text(quantity, fields(), found)};
     return probed_.text;
+}
+
+void Session::set_layers(LayeredData data) {
+    PictureRequest request;
+    request.show = Show::volume;
+    request.layers = data.layers;
+    for (Layer& layer : request.layers) layer.visible = true;  // hidden ones keep their functions
+    layered_as_ = resolve(std::move(request), *data.scene);
+    for (std::size_t n = 0; n < data.layers.size(); ++n)
+        layered_as_.request.layers[n].visible = data.layers[n].visible;
+    data.layers = layered_as_.request.layers;
+    layered_ = std::move(data);
+    ++layer_changes_;
+}
+
+ResolvedPicture Session::layered_picture(const PictureRequest& request) const {
+    ResolvedPicture picture = layered_as_;
+    picture.request = request;
+    picture.request.layers = layered_.layers;
+    for (ResolvedPicture& layer : picture.layers) {
+        layer.request.look = request.look, layer.request.slabs = request.slabs;
+        layer.request.options.clip = request.options.clip;
+    }
+    return picture;
+}
+
+std::string Session::layer_name(std::size_t n) const {
+    const Layer& layer = layered_.layers[n];
+    const std::string name =
+        std::filesystem::path(layered_.inputs[layer.input]).filename().string();
+    const std::string& field = layered_as_.layers[n].field.field;
+    return fmt::format("{}{}{}", name, field.empty() ? "" : " ", printable(field));
+}
+
+void Session::set_layer_visible(std::size_t n, bool visible) {
+    layered_.layers[n].visible = visible;
+    ++layer_changes_;
+}
+
+void Session::set_layer_map(std::size_t n, const std::string& name_or_file) {
+    LayeredData data = layered_;
+    TransferRequest& transfer = data.layers[n].transfer;
+    transfer.points = transfer_points(name_or_file);
+    transfer.window.reset(), transfer.bands.clear();
+    if (transfer.points.at_values) transfer.range.reset(), transfer.log.reset();
+    set_layers(std::move(data));
 }
 
 }  // namespace vog::viewer

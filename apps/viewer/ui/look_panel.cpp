@@ -192,6 +192,22 @@ std::string choose_map(const std::string& shown, Gui& gui) {
     return chosen;
 }
 
+void draw_layers(Session& session, Gui& gui) {
+    for (std::size_t n = 0; n < session.layers().size(); ++n) {
+        const Layer layer = session.layers()[n];
+        ImGui::PushID(static_cast<int>(n));
+        bool visible = layer.visible;
+        if (ImGui::Checkbox(session.layer_name(n).c_str(), &visible))
+            session.set_layer_visible(n, visible);
+        mark(gui, "layer " + std::to_string(n + 1));
+        if (!session.is_surface(n)) {
+            const std::string map = choose_map(layer.transfer.points.points.name, gui);
+            if (!map.empty()) attempt(session, [&] { session.set_layer_map(n, map); });
+        }
+        ImGui::PopID();
+    }
+}
+
 void draw_look(Session& session, Gui& gui, float ui) {
     Look& look = session.look;
     bool changed = false;

@@ -277,7 +277,7 @@ void draw_help(Session& session, const Layout& layout) {
 void draw_overlays(Session& session, Gui& gui, const Layout& layout) {
     draw_split(session, layout);
     const Settings& s = session.settings;
-    if (s.color_bar) draw_color_bar(session, layout);
+    if (s.color_bar && !session.shows_layers()) draw_color_bar(session, layout);
     if (!session.scene.levels.empty()) {
         draw_clip_box(session, layout);
         if (s.overlay && s.axes) {

@@ -284,7 +284,9 @@ void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& req
     if (section("Picture")) draw_picture_section(session, gui);
     if (!session.scene.levels.empty() && section("Quantity")) draw_quantity(session, gui);
     if (section("Colour")) {
-        if (session.quantity.show == Show::volume && session.values.now())
+        if (session.shows_layers())
+            draw_layers(session, gui);
+        else if (session.quantity.show == Show::volume && session.values.now())
             draw_values(session, gui, layout.ui);
         else
             draw_look(session, gui, layout.ui);
