@@ -134,7 +134,8 @@ class Session {
     std::string layer_name(std::size_t n) const;
     bool is_surface(std::size_t n) const { return layered_as_.layers[n].field.field.empty(); }
     void set_layer_visible(std::size_t n, bool visible);
-    /// Colours and opacities of a layer's values, by a map's name or a file. throws  vog::Error as transfer_points does
+    /// Colours and opacities of a layer's values, by a map's name or a file.
+    /// throws  vog::Error as transfer_points does
     void set_layer_map(std::size_t n, const std::string& name_or_file);
 
     void look_changed();
