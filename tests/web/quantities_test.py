@@ -414,7 +414,8 @@ class Quantities(QuantityTest):
             self.change(**part)
             self.picture("page.png")
             link = self.value("vog.link()")
-            vog("render", "model.ply", "-o", "again.png", "--request", f"http://127.0.0.1/model.html{link}")
+            exact = ("--set", "precision=0") if part["show"] == "volume" else ()
+            vog("render", "model.ply", "-o", "again.png", "--request", f"http://127.0.0.1/model.html{link}", *exact)
             self.hold(f"-PSNR of the command's picture of a link {n} [dB]", -self.psnr("again.png", "page.png"), FACTOR_DB - 65.3)
             # Another state, then the picture itself, as text and as a file.
             request = json.loads(vog("render", "model.ply", "-o", "again.png", "--request", link, "--json"))["request"]

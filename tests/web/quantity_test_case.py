@@ -83,6 +83,8 @@ class QuantityTest(PageTest):
         width, height = self.write_camera()
         if "volume" not in options and "--tf" not in options:
             options += ("--tf", self.value("vog.state.map"))
+        if "volume" in options:  # pages draw every pixel
+            options += ("--set", "precision=0")
         vog("render", model, "-o", "cpu.png", "--camera", "camera.json", "--size", f"{width}x{height}", *options)
         return json.loads(vog("compare", "cpu.png", "web.png", "--json"))
 
