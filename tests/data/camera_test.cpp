@@ -175,6 +175,26 @@ TEST(camera, a_fitted_hull_lies_in_the_middle_of_the_image) {
             }
 }
 
+/// The eye is near a part of the hull then, and far from others.
+TEST(camera, a_fitted_hull_is_held_by_wide_views) {
+    Subject subject(Box{{0, 0, 0}, {10, 10, 10}});
+    subject.content.hull = {{0, 0, 0},   {0.1, 0, 0},  {0, 0.1, 0},
+                            {10, 10, 9}, {10, 9.9, 9}, {3, 2, 8}};
+    for (const double fov : {90.0, 120.0, 150.0, 175.0})
+        for (const double azimuth : {0.0, 33.0, 145.0, 260.0}) {
+            const Camera camera = orbit_view(subject, Orbit{azimuth, 20, 0, fov}, 1.5);
+            const CameraFrame f = frame_of(camera, 600, 400);
+            EXPECT_LT(length(f.eye - subject.box.center()), 40) << fov;
+            for (const Vec3d& point : subject.content.hull) {
+                const Vec3d at = point - f.eye;
+                const double pixels = f.pixels_at(dot(at, f.forward));
+                EXPECT_GT(pixels, 0);
+                EXPECT_LT(pixels * std::abs(dot(at, f.right)), 330) << fov << ' ' << azimuth;
+                EXPECT_LT(pixels * std::abs(dot(at, f.up)), 220) << fov << ' ' << azimuth;
+            }
+        }
+}
+
 TEST(camera, views_respect_how_the_data_stand) {
     Subject patient(Box{{-1, -2, -2}, {1, 2, 2}});
     EXPECT_EQ(first_orbit(patient).azimuth_degrees, kPaperAzimuthDegrees);

@@ -108,13 +108,16 @@ Fit fit(const Subject& subject, const ViewAxes& axes, const Camera& lens, double
     for (int step = 0; step < kSteps; ++step) {
         const Vec3d target = fit.target + shift[0] * axes.right + shift[1] * axes.up;
         Box image;
+        double nearest = fit.distance;
         for (const Vec3d& point : subject.content.hull) {
             const Vec3d at = point - target;
             const double depth = dot(at, axes.forward) + fit.distance;
+            nearest = std::min(nearest, depth);
             image.include(Vec3d{dot(at, axes.right) / depth, dot(at, axes.up) / depth, 0});
         }
         const Vec3d middle = image.center();
-        shift[0] += middle.x * fit.distance, shift[1] += middle.y * fit.distance;
+        // As far as brings the nearest point there: no step goes beyond, however wide the view.
+        shift[0] += middle.x * nearest, shift[1] += middle.y * nearest;
     }
     fit.target = fit.target + shift[0] * axes.right + shift[1] * axes.up;
     return fit;
