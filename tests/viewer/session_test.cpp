@@ -458,7 +458,7 @@ TEST_F(view_command, layers_are_the_command_lines) {
         EXPECT_LT(compare(read_image(dir_ / picture), read_image(dir_ / "all.png")).psnr_db, 40);
     }
     must_fail(2,
-              "view cloud.ply other.vdb --headless --script play.vog --show volume --layer tf=hot",
+              "view cloud.vdb other.vdb --headless --script play.vog --show volume --layer tf=hot",
               "other.vdb is in no layer");
     must_fail(1, "view cloud.ply --headless --script play.vog --show volume --layer field=none",
               "none");

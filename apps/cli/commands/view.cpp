@@ -20,7 +20,7 @@
 #include "terminal/terminal.h"
 #include "terminal/usage_error.h"
 #include "vog/error.h"
-#include "vog/request_schema.h"
+#include "vog/picture_record.h"
 #include "vog/shade.h"
 #include "vog/site.h"
 #ifdef VOG_VIEWER
@@ -178,8 +178,9 @@ void open_viewer(WindowArguments arguments, const GivenOptions& command) {
     options.camera = [&, aspect](const Subject& subject) {
         return camera_from(arguments.view, command, subject, aspect);
     };
-    const PictureRequest request = arguments.words.over();
+    PictureRequest request = arguments.words.over();
     if (!request.layers.empty()) take_layers(options, arguments, request);
+    request.layers.clear();  // what follows is of the first input alone
     options.extinction = request.extinction.value_or(options.extinction);
     viewer::load_map(options.look, arguments.words.word("tf", default_map(request.show)));
     options.look.shading = request.shading;

@@ -203,6 +203,8 @@ void Session::set_layers(LayeredData data) {
 ResolvedPicture Session::layered_picture(const PictureRequest& request) const {
     ResolvedPicture picture = layered_as_;
     picture.request = request;
+    picture.request.field.clear();  // layers have their own
+    picture.request.transfer = {}, picture.request.fit = ScaleFit::automatic;
     picture.request.layers = layered_.layers;
     for (ResolvedPicture& layer : picture.layers) {
         layer.request.look = request.look, layer.request.slabs = request.slabs;
