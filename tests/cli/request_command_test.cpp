@@ -55,6 +55,13 @@ TEST_F(request_command, options_beside_it_take_the_place_of_its_own) {
     must("render --request first.png --camera first.png -o kept.png");
     EXPECT_EQ(read_record(dir_ / "kept.png").request.camera->eye,
               read_record(dir_ / "first.png").request.camera->eye);
+    // What an option needs stands in the picture.
+    for (const char* light : {"--shadows", "--light studio"}) {
+        must(std::string("render cloud.vdb --show volume --size 30 -o lit.png ") + light);
+        must("render --request lit.png --set asymmetry=0.4 -o forward.png");
+        EXPECT_EQ(read_record(dir_ / "forward.png").request.look.asymmetry, 0.4) << light;
+    }
+    must_fail(1, "render --request first.png --show volume --set asymmetry=0.4", "asymmetry");
     // Another quantity has other values.
     must("render --request first.png --show T -o t.png");
     EXPECT_FALSE(read_record(dir_ / "t.png").request.transfer.range);
