@@ -2,7 +2,9 @@
 #include "picture_data.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <string>
 
 #include "arrays.h"
 #include "data.h"
@@ -133,14 +135,24 @@ std::shared_ptr<const Surface> surface_of(const py::object& data) {
     if (corners.ndim() != 2 || corners.shape(1) != 3 || corners.shape(0) == 0)
         throw Error("triangles: shape " + shape_text(corners) +
                     ", expected [N, 3] numbers of points, at least one triangle");
-    const auto rows = py::array_t<std::int64_t, py::array::c_style>::ensure(corners);
+    if (corners.dtype().kind() != 'i' && corners.dtype().kind() != 'u')
+        throw Error("triangles: numbers with a point, expected whole numbers of points");
+    const py::array_t<std::int64_t, py::array::c_style | py::array::forcecast> rows(corners);
     Surface surface{{points.begin(), points.end()}, {}, {}};
+    const auto count = static_cast<std::int64_t>(surface.point.size());
     for (py::ssize_t n = 0; n < rows.shape(0); ++n) {
         auto& triangle = surface.triangle.emplace_back();
-        for (py::ssize_t c = 0; c < 3; ++c)
-            triangle[static_cast<std::size_t>(c)] =
-                static_cast<std::uint32_t>(std::clamp<std::int64_t>(
-                    rows.at(n, c) < 0 ? UINT32_MAX : rows.at(n, c), 0, UINT32_MAX));
+        for (py::ssize_t c = 0; c < 3; ++c) {
+            const std::int64_t at = rows.at(n, c);
+            if (at < 0 || at >= count)
+                throw Error("triangles: row " + std::to_string(n) + " has point " +
+                            std::to_string(at) + ", expected 0 to " + std::to_string(count - 1));
+            const Vec3d& point = surface.point[static_cast<std::size_t>(at)];
+            if (!std::isfinite(length(point)))
+                throw Error("points: row " + std::to_string(at) +
+                            " is not finite, and a triangle has it");
+            triangle[static_cast<std::size_t>(c)] = static_cast<std::uint32_t>(at);
+        }
     }
     return std::make_shared<const Surface>(std::move(surface));
 }

@@ -49,6 +49,7 @@ ROWS = [
     ("render m.ply -o p.png --look-at 900,0,0", r"(--look-at), --distance", "render m.ply -o p.png {0} 6,6,6"),
     ("render m.ply -o p.png --show volume", r"\(((?:--scale log )?--range \S+ --unit-distance \S+) repeats it", "+"),
     ("render c.nrrd -o p.png --renderer splat", r"convert it first: (vog convert .*)", "{0}"),
+    ("render jaw.ply -o p.png", r"vog render VOLUME (--show volume --layer) MESH.ply", "render c.nrrd -o p.png {0} jaw.ply,color=white"),
     ("render two.vdb -o p.png --grid 'density_*' --interpolation linear --show volume", None, None),
     ("render c.nrrd -o p.png --show volume --interpolation linear --set step=0", r"expected a (step > 0)", "render c.nrrd -o p.png --show volume --interpolation linear --set step=1"),
     # Values that are no density.
@@ -267,6 +268,8 @@ def make_inputs(case):
     names = ["x", "y", "z", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
     (case.folder / "nan.ply").write_text("\n".join(["ply", "format ascii 1.0", "element vertex 3", *("property float " + name for name in names), "end_header",
                                                     "0 0 0 0 0 0 0 1 0 0 0", "1 1 1 0 0 0 0 1 0 0 0", "nan 0 0 0 0 0 0 1 0 0 0"]) + "\n")
+    (case.folder / "jaw.ply").write_text("\n".join(["ply", "format ascii 1.0", "element vertex 3", *("property float " + name for name in "xyz"), "element face 1",
+                                                     "property list uchar int vertex_indices", "end_header", "0 0 0", "9 0 9", "0 9 9", "3 0 1 2"]) + "\n")
     (case.folder / "same.csv").write_text("x,y,z\n" + "1,1,1\n" * 9)
     (case.folder / "map.json").write_text('{"colors": [[0, 0, 0, 0], [1, 1, 0.5, 0]]}')
     (case.folder / "empty").mkdir()

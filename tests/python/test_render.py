@@ -428,3 +428,16 @@ def test_optix_draws_voxels_with_fields_and_clips_or_says_what_is_missing():
     assert difference(lambda name: vog.render(volume, size=20, show="maximum", renderer=name, field="heat", fields=fields), np.asarray) < 1e-3
     with pytest.raises(vog.Error, match="interpolation is not for renderer 'optix', expected 'reference'"):
         vog.render(volume, size=20, show="volume", renderer="optix", interpolation="linear")
+
+
+@pytest.mark.parametrize("points, triangles, message", [
+    ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.0, 1, 2]], "whole numbers"),
+    ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, -2]], "row 0 has point -2, expected 0 to 2"),
+    ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]], "row 0 has point 3, expected 0 to 2"),
+    ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "row 2 is not finite"),
+])  # fmt: skip
+def test_surfaces_of_wrong_numbers_are_refused_in_one_line(points, triangles, message):
+    surface = (np.array(points, float), np.array(triangles))
+    with pytest.raises(vog.Error, match=message) as error:
+        vog.render([vog.Layer(vog.sample_cloud(64), tf="white"), vog.Layer(surface, color="red")], size=32)
+    assert "\n" not in str(error.value)

@@ -17,6 +17,7 @@
 #include "io/ply/ply_fields.h"
 #include "io/ply/ply_nodes.h"
 #include "vog/error.h"
+#include "vog/surface.h"
 #include "vog/text.h"
 
 namespace vog::ply {
@@ -216,6 +217,10 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
     for (const std::string& name : header.properties) all += (all.empty() ? "" : " ") + name;
     if (has("packed_position"))
         fail(file, "a packed PLY of SuperSplat, expected a plain one (splat-transform unpacks it)");
+    if (has("x") && has("y") && has("z") && !has("scale_0") && is_surface_file(file))
+        fail(file,
+             "a mesh of triangles, expected splats: vog render VOLUME --show volume --layer "
+             "MESH.ply draws it in a volume");
     if (has("x") && has("y") && has("z") && !has("scale_0"))
         fail(file,
              fmt::format("points without scales (it has: {}), expected splats; particles are read "

@@ -37,25 +37,56 @@ struct Polygons {
     Surface surface{};
     std::size_t left_out = 0;
 
-    /// Corners by their places in the file, any number of them.
-    void add(const std::vector<double>& corners) {
-        for (const double c : corners)
+    /// Corners by their places in the file, any number of them: ears are cut off until a triangle is left.
+    /// first  number of the file's first point
+    void add(const std::vector<double>& corners, int first = 0) {
+        std::vector<std::size_t> ring;
+        for (const double c : corners) {
             if (!(c >= 0 && c < static_cast<double>(point.size())))
-                fail(fmt::format("a face of point {}, of {}", c, point.size()));
-        for (std::size_t n = 2; n < corners.size(); ++n) {
-            const std::size_t of[3] = {static_cast<std::size_t>(corners[0]),
-                                       static_cast<std::size_t>(corners[n - 1]),
-                                       static_cast<std::size_t>(corners[n])};
-            const Vec3d a = point[of[0]];
-            const double area = length(cross(point[of[1]] - a, point[of[2]] - a));
-            if (std::isfinite(area) && area > 0)
-                surface.triangle.push_back({place(of[0]), place(of[1]), place(of[2])});
-            else
-                ++left_out;
+                fail(fmt::format("a face of point {}, expected {} to {}", c + first, first,
+                                 static_cast<double>(point.size()) + first - 1));
+            ring.push_back(static_cast<std::size_t>(c));
         }
+        Vec3d normal{};
+        for (std::size_t n = 2; n < ring.size(); ++n)
+            normal = normal +
+                     cross(point[ring[n - 1]] - point[ring[0]], point[ring[n]] - point[ring[0]]);
+        while (ring.size() > 3) {
+            std::size_t ear = 0;
+            while (ear < ring.size() && !is_ear(ring, ear, normal)) ++ear;
+            if (ear == ring.size()) ear = 0;  // without an area, or with edges that cross
+            add_triangle(ring[(ear + ring.size() - 1) % ring.size()], ring[ear],
+                         ring[(ear + 1) % ring.size()]);
+            ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
+        }
+        if (ring.size() == 3) add_triangle(ring[0], ring[1], ring[2]);
     }
 
   private:
+    void add_triangle(std::size_t a, std::size_t b, std::size_t c) {
+        const double area = length(cross(point[b] - point[a], point[c] - point[a]));
+        if (std::isfinite(area) && area > 0)
+            surface.triangle.push_back({place(a), place(b), place(c)});
+        else
+            ++left_out;
+    }
+    /// Whether a corner points outwards, and the triangle that it makes with its neighbours holds no other corner.
+    bool is_ear(const std::vector<std::size_t>& ring, std::size_t n, const Vec3d& normal) const {
+        const std::size_t count = ring.size();
+        const Vec3d corner[3] = {point[ring[(n + count - 1) % count]], point[ring[n]],
+                                 point[ring[(n + 1) % count]]};
+        const auto is_left = [&](const Vec3d& a, const Vec3d& b, const Vec3d& at) {
+            return dot(cross(b - a, at - a), normal) > 0;
+        };
+        if (!is_left(corner[0], corner[1], corner[2])) return false;
+        for (std::size_t k = 2; k + 1 < count; ++k) {
+            const Vec3d at = point[ring[(n + k) % count]];
+            if (is_left(corner[0], corner[1], at) && is_left(corner[1], corner[2], at) &&
+                is_left(corner[2], corner[0], at))
+                return false;
+        }
+        return true;
+    }
     struct Hash {
         std::size_t operator()(const Vec3d& p) const {
             const std::hash<double> hash;
@@ -82,8 +113,12 @@ Color clamped(const double* of, double most) {
 
 void read_stl(const std::string& bytes, Polygons& to) {
     std::uint32_t count = 0;
+    std::string start = bytes.substr(0, 5);
+    std::ranges::transform(start, start.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-    if (bytes.size() >= 84 && bytes.size() == 84 + std::size_t{50} * count) {
+    // Some programs fill up the end of the file.
+    if (count > 0 && bytes.size() >= 84 + std::size_t{50} * count) {
         for (std::size_t n = 0; n < count; ++n) {
             float corner[9];
             std::memcpy(corner, bytes.data() + 84 + 50 * n + 12, sizeof corner);
@@ -91,17 +126,18 @@ void read_stl(const std::string& bytes, Polygons& to) {
                 to.point.push_back(
                     {double{corner[c]}, double{corner[c + 1]}, double{corner[c + 2]}});
         }
-    } else if (bytes.starts_with("solid")) {
+    } else if (start == "solid") {
         std::istringstream in(bytes);
         for (std::string word; in >> word;) {
             std::string x, y, z;
-            if (word == "vertex" && in >> x >> y >> z)
+            if ((word == "vertex" || word == "VERTEX") && in >> x >> y >> z)
                 to.point.push_back({std::strtod(x.c_str(), nullptr),
                                     std::strtod(y.c_str(), nullptr),
                                     std::strtod(z.c_str(), nullptr)});
         }
     } else {
-        fail(fmt::format("{} bytes are no STL file of {} triangles", bytes.size(), count));
+        fail(fmt::format("no text of STL, and no binary file of {} triangles: {} bytes", count,
+                         bytes.size()));
     }
     for (std::size_t n = 0; n + 2 < to.point.size(); n += 3)
         to.add({double(n), double(n + 1), double(n + 2)});
@@ -110,13 +146,21 @@ void read_stl(const std::string& bytes, Polygons& to) {
 void read_obj(const std::string& bytes, Polygons& to) {
     std::istringstream in(bytes);
     std::vector<std::vector<double>> faces;
-    for (std::string line; std::getline(in, line);) {
+    for (std::string line, next; std::getline(in, line);) {
+        while (line.find_last_not_of("\r ") != line.npos &&
+               line[line.find_last_not_of("\r ")] == '\\' && std::getline(in, next))
+            line = line.substr(0, line.rfind('\\')) + ' ' + next;
         std::istringstream words(line);
         std::string word;
         words >> word;
         if (word != "v" && word != "f") continue;
         std::vector<double> numbers;  // of "7/2/3" the first one
-        for (std::string one; words >> one;) numbers.push_back(std::strtod(one.c_str(), nullptr));
+        for (std::string one; words >> one;) {
+            char* rest = nullptr;
+            numbers.push_back(std::strtod(one.c_str(), &rest));
+            if (rest == one.c_str())
+                fail(fmt::format("'{}', expected a number", one.substr(0, 20)));
+        }
         if (word == "f") {
             for (double& n : numbers) n = n < 0 ? static_cast<double>(to.point.size()) + n : n - 1;
             faces.push_back(std::move(numbers));
@@ -129,7 +173,7 @@ void read_obj(const std::string& bytes, Polygons& to) {
         to.color.push_back(clamped(&numbers[3], 1));
     }
     if (!to.color.empty()) to.color.resize(to.point.size(), {0.8f, 0.8f, 0.8f});
-    for (const std::vector<double>& face : faces) to.add(face);
+    for (const std::vector<double>& face : faces) to.add(face, 1);
 }
 
 /// Numbers of a PLY body, one after the other.

@@ -90,7 +90,10 @@ std::optional<SurfaceBvh::Hit> SurfaceBvh::hit(Vec3d origin, Vec3d direction,
     const double speed = length(direction) / radius_;
     const Vec3d from = (1 / radius_) * (origin - center_),
                 along = (1 / length(direction)) * direction;
-    const double start = std::max(within.first, (-dot(from, along) - 2) / speed);
+    const double nearest = -dot(from, along);
+    // Far beside the triangles, which lie within a radius of the middle.
+    if (!(length(from + nearest * along) < 2)) return {};
+    const double start = std::max(within.first, (nearest - 2) / speed);
     const Vec3f at = vec_cast<float>(from + start * speed * along), to = vec_cast<float>(along);
     RTCRayHit ray{};
     ray.ray.org_x = at.x, ray.ray.org_y = at.y, ray.ray.org_z = at.z;

@@ -44,6 +44,39 @@ TEST(read_surface, has_the_triangles_that_were_written) {
     }
 }
 
+TEST(read_surface, has_the_area_of_any_polygon) {
+    const TempDir folder;
+    const std::string points =
+        "v 0 0 1\nv 1 0 1\nv 1 0.3 1\nv 0.3 0.3 1\nv 0.3 1 1\nv 0 1 1\n";  // an L
+    for (const char* face : {"f 1 2 3 4 5 6", "f 2 3 4 5 6 1", "f 5 6 1 2 3 4", "f 6 5 4 3 2 1",
+                             "f 1 2 3 \\\n  4 5 6", "f -6 -5 -4 -3 -2 -1"}) {
+        std::ofstream(folder / "l.obj") << points << face << '\n';
+        double area = 0;
+        for (const auto& [a, b, c] : corners_of(read_surface(folder / "l.obj")))
+            area += 0.5 * length(cross(b - a, c - a));
+        EXPECT_NEAR(area, 0.51, 1e-12) << face;
+    }
+    for (const auto& [face, message] : {std::pair{"f 1 2 7", "a face of point 7, expected 1 to 6"},
+                                        {"f 0 1 2", "a face of point 0, expected 1 to 6"},
+                                        {"f a b c", "'a', expected a number"}}) {
+        std::ofstream(folder / "l.obj") << points << face << '\n';
+        EXPECT_NE(refusal([&] { (void)read_surface(folder / "l.obj"); }).find(message),
+                  std::string::npos)
+            << face;
+    }
+}
+
+TEST(read_surface, takes_stl_as_programs_write_it) {
+    const TempDir folder;
+    write_surface(folder / "a.stl", tetrahedron());
+    std::ofstream(folder / "a.stl", std::ios::binary | std::ios::app) << "     ";
+    EXPECT_EQ(read_surface(folder / "a.stl").triangle.size(), 4u);
+    std::ofstream(folder / "b.stl")
+        << "SOLID B\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1 0 0\n"
+           "VERTEX 0 1 0\nENDLOOP\nENDFACET\nENDSOLID B\n";
+    EXPECT_EQ(read_surface(folder / "b.stl").triangle.size(), 1u);
+}
+
 TEST(read_surface, has_colours_of_points_and_triangles_of_polygons) {
     const TempDir folder;
     std::ofstream(folder / "c.ply")
@@ -80,7 +113,9 @@ TEST(read_surface, refuses_other_files_in_one_line) {
         return refusal([&] { (void)read_surface(folder / name); });
     };
     EXPECT_NE(refused("e.obj", "v 0 0 0\nv 1 0 0\n").find("e.obj: "), std::string::npos);
-    EXPECT_NE(refused("e.stl", "").find("0 bytes are no STL file"), std::string::npos);
+    EXPECT_NE(
+        refused("e.stl", "").find("no text of STL, and no binary file of 0 triangles: 0 bytes"),
+        std::string::npos);
     EXPECT_NE(refused("p.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")
                   .find("expected triangles, .stl, .obj or .ply with faces"),
               std::string::npos);
