@@ -54,7 +54,7 @@ class SlabRenderer {
     void set_light(const VolumeLook& look);
     /// picture  receives the result, the same bytes for any number of threads; its memory is reused
     /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side
-    /// cost     memory: 200 bytes a visible Gaussian, 4 kB a slab and thread. The second picture of a view under another
+    /// cost     memory: 200 bytes a visible Gaussian and resolution, one to three; 4 kB a slab and thread. The second picture of a view under another
     ///          transfer function or light keeps its sums, 1 GB at most; further ones of the view draw no Gaussians.
     void render(const Camera& camera, int width, int height, VolumeImage& picture);
     [[nodiscard]] VolumeImage render(const Camera& camera, int width, int height);
