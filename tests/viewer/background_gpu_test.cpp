@@ -49,7 +49,7 @@ TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
                 made.show = show;
                 made.camera = orbit_view(view_box(*what.model), {});
                 made.width = 40, made.height = 30;
-                made.slabs = 16;
+                made.slabs = 16, made.precision = 0;
                 made.options.pixel_error = 0;
                 if (clipped) made.options.clip.planes.push_back({{1, 0, 0}, 0});
                 const ValueTransfer transfer = window_transfer(5, 6, 0.5);
