@@ -180,7 +180,7 @@ void open_viewer(WindowArguments arguments, const GivenOptions& command) {
     };
     PictureRequest request = arguments.words.over();
     if (!request.layers.empty()) take_layers(options, arguments, request);
-    request.layers.clear();  // what follows is of the first input alone
+    request.layers.clear();  // the window opens the first input
     options.extinction = request.extinction.value_or(options.extinction);
     viewer::load_map(options.look, arguments.words.word("tf", default_map(request.show)));
     options.look.shading = request.shading;

@@ -142,7 +142,7 @@ PictureRecord record_in(const std::string& request) {
 
 void place_layers(DrawingArguments& drawing, PictureRequest& request) {
     if (request.layers.empty()) return;
-    // The command's input is a layer with defaults where none is of it.
+    // The command's input becomes a layer with defaults unless a layer draws it.
     if (std::ranges::none_of(request.layers, [&](const Layer& l) {
             return l.file.empty() ? l.input == 0 : l.file == drawing.inputs.front();
         }))

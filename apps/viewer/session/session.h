@@ -126,7 +126,7 @@ class Session {
 
     /// throws  vog::Error as resolve() does
     void set_layers(LayeredData data);
-    /// Whether the picture is of layers.
+    /// Whether the picture shows layers.
     bool shows_layers() const { return layered_.scene && quantity.show == Show::volume; }
     /// With their transfer functions.
     const std::vector<Layer>& layers() const { return layered_.layers; }

@@ -136,10 +136,6 @@ BigVector<ParticlePart> whole_parts(const BigVector<std::uint32_t>& ends) {
     return parts;
 }
 
-}  // namespace
-
-namespace {
-
 /// Steps from the windows of a cut: from 2 to 6 the error of T at 50 particles a cell falls from 0.0064 to 0.0048; few particles a cell are
 /// fitted one by one by more.
 int soft_steps(std::size_t particles, std::size_t cells) {

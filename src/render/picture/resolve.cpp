@@ -140,12 +140,12 @@ void require_layer_effects(const Layer& layer, bool is_surface) {
     if (is_surface && has_values)
         throw RequestError("layers", ": a surface has no values, expected color or opacity");
     if (!is_surface && layer.color)
-        throw RequestError("layers", ": color is of surfaces, expected tf or band");
+        throw RequestError("layers", ": only a surface has a color; use tf or band");
     if (!is_surface && layer.opacity && !layer.plane)
         throw RequestError(
             "layers",
-            ": opacity is of planes and surfaces, expected unit_distance, the length "
-            "that opacities refer to");
+            ": only planes and surfaces have an opacity; use unit_distance, the length that "
+            "opacities refer to");
 }
 
 /// Each layer as a picture of its own, and the request that states them.

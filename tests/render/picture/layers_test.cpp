@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/field_models.h"
+#include "support/layer_pictures.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
@@ -56,20 +57,6 @@ Layer layer_of(std::array<float, 3> color, double opacity, const std::string& fi
     return layer;
 }
 
-/// Along -z, parallel rays through the middles of 32^2 pixels over 2 units.
-PictureRequest request_of(std::vector<Layer> layers) {
-    PictureRequest request;
-    request.show = Show::volume;
-    request.layers = std::move(layers);
-    Camera camera;
-    camera.eye = {0, 0, 5}, camera.look_at = {0, 0, 0}, camera.orthographic_width = 2;
-    request.camera = camera;
-    request.width = request.height = 32;
-    return request;
-}
-std::vector<Rgba> light_of(std::vector<vog::Scene> scenes, const PictureRequest& request) {
-    return render(scene_of_layers(std::move(scenes)), request).sums.light;
-}
 std::vector<Rgba> alone(const vog::Scene& scene, const Layer& layer) {
     PictureRequest request = request_of({});
     request.field = layer.field, request.transfer = layer.transfer;

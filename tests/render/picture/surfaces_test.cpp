@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/field_models.h"
+#include "support/layer_pictures.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
@@ -66,20 +67,6 @@ Layer painted(std::array<float, 3> color, std::optional<double> opacity = {}) {
     return layer;
 }
 
-/// Along -z, parallel rays through the middles of 32^2 pixels over 2 units.
-PictureRequest request_of(std::vector<Layer> layers) {
-    PictureRequest request;
-    request.show = Show::volume;
-    request.layers = std::move(layers);
-    Camera camera;
-    camera.eye = {0, 0, 5}, camera.look_at = {0, 0, 0}, camera.orthographic_width = 2;
-    request.camera = camera;
-    request.width = request.height = 32;
-    return request;
-}
-std::vector<Rgba> light_of(std::vector<vog::Scene> scenes, const PictureRequest& request) {
-    return render(scene_of_layers(std::move(scenes)), request).sums.light;
-}
 Rgba middle_of(const std::vector<Rgba>& light) { return light[16 * 32 + 16]; }
 
 double largest_difference(const std::vector<Rgba>& a, const std::vector<Rgba>& b) {
@@ -264,13 +251,14 @@ TEST(surfaces, of_bad_requests_are_refused_in_one_line) {
               std::string::npos);
     EXPECT_NE(refused({cube(3), wall(0)}, {fog(0.5), fog(0.5)}).find("a surface has no values"),
               std::string::npos);
-    EXPECT_NE(refused({cube(3)}, {painted(kTeal)}).find("color is of surfaces"), std::string::npos);
+    EXPECT_NE(refused({cube(3)}, {painted(kTeal)}).find("only a surface has a color"),
+              std::string::npos);
     EXPECT_NE(refused({cube(3)}, {[] {
                           Layer layer = fog(0.5);
                           layer.opacity = 0.5;
                           return layer;
                       }()})
-                  .find("expected unit_distance"),
+                  .find("use unit_distance"),
               std::string::npos);
     Layer beyond = fog(0.5);
     beyond.plane = SlicePlane{"z", {}, 7};

@@ -239,9 +239,8 @@ std::vector<Entry> volume_entries() {
         {{"asymmetry",
           kVolume,
           "G",
-          "Asymmetry of the phase function (Henyey and Greenstein) that `shadows` are seen by: "
-          "above "
-          "0 light goes on forward, and edges in front of it shine; 0.6 suits clouds",
+          "Asymmetry of the phase function (Henyey and Greenstein) beside `shadows`: above 0 light "
+          "scatters forward, and edges in front of it shine; 0.6 suits clouds",
           "0",
           {},
           "volume"},
