@@ -4,7 +4,9 @@
 
 #include "arrays.h"
 #include "data.h"
+#include "picture_data.h"
 #include "vog/camera.h"
+#include "vog/cells.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 
@@ -49,6 +51,7 @@ Subject subject_to_view(const py::object& data, const std::string& call) {
     if (py::isinstance<Gaussians>(data)) return subject_of(data.cast<const Gaussians&>());
     if (py::isinstance<Points>(data)) return bounds(data.cast<const Points&>());
     if (py::isinstance<py::array>(data)) return box_of(data);
+    if (py::isinstance<Cells>(data)) return scene_of_cells(data).subject;
     const auto of = [](std::span<const Volume> volumes) {
         Box box;
         for (const Volume& volume : volumes) box.include(world_box(volume));
@@ -56,7 +59,7 @@ Subject subject_to_view(const py::object& data, const std::string& call) {
     };
     if (py::isinstance<Volume>(data)) return of({&data.cast<const Volume&>(), 1});
     if (const auto levels = levels_of(data)) return of(levels->volumes);
-    refuse_data(data, call, "Gaussians, a Volume, Levels, Points or corners [2, 3]");
+    refuse_data(data, call, "Gaussians, a Volume, Levels, Cells, Points or corners [2, 3]");
 }
 
 void bind_camera(py::module_& m) {
@@ -85,7 +88,7 @@ Raises vog.Error where eye and look_at coincide, or up is parallel to the view d
             R"(The standard view of docs/evaluation.md: azimuth 34.38 degrees, elevation 20.05 degrees,
 distance 3 bounding radii, field of view 38.58 degrees. Returns a Camera.
 
-data  Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space)")
+data  Gaussians, a Volume, Levels, Cells, Points, or corners [2, 3] of a box in world space)")
         .def_static(
             "orbit",
             [](const py::object& data, std::optional<double> azimuth,

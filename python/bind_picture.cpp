@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "data.h"
 #include "picture_data.h"
+#include "vog/cells.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 #include "vog/request_schema.h"
@@ -91,6 +92,7 @@ class PictureScene {
                            : shows_field(request) ? "map of " + request.field
                                                   : "T";
         if (request.options.pixel_error) kind += ", cut";
+        if (py::isinstance<Cells>(data_.front())) kind = "cells";
         if (kind != kind_) {
             kind_.clear();
             renderer_ = std::make_unique<PictureRenderer>(
@@ -98,7 +100,7 @@ class PictureScene {
             field_ = request.field;
             kind_ = kind;
         }
-        request.field = field_;
+        if (kind != "cells") request.field = field_;
     }
 
     std::vector<py::object> data_, fields_;

@@ -9,6 +9,8 @@
 #include "arrays.h"
 #include "data.h"
 #include "sampled_fields.h"
+#include "vog/cells.h"
+#include "vog/convert_cells.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/lod.h"
@@ -162,15 +164,27 @@ void require_drawable(const py::object& data, const py::object& fields) {
         if (!fields.is_none()) throw Error("render: fields: of voxels, a surface has none");
         return;
     }
-    if (!is_gaussians(data) && !py::isinstance<Volume>(data) && !levels_of(data))
-        refuse_data(data, "render", "Gaussians, a Volume, Levels, a list of Volumes or Points");
-    if (is_gaussians(data) && !fields.is_none())
-        throw Error("render: fields: of voxels, a model has its own");
+    const bool cells = py::isinstance<Cells>(data);
+    if (!is_gaussians(data) && !cells && !py::isinstance<Volume>(data) && !levels_of(data))
+        refuse_data(data, "render",
+                    "Gaussians, a Volume, Levels, a list of Volumes, Cells or Points");
+    if ((is_gaussians(data) || cells) && !fields.is_none())
+        throw Error(std::string("render: fields: of voxels, ") +
+                    (cells ? "cells have their own" : "a model has its own"));
+}
+
+Scene scene_of_cells(const py::object& data) {
+    const auto cells = data.cast<std::shared_ptr<Cells>>();
+    CellNotes notes;
+    Scene scene = unlocked([&] { return scene_of(std::shared_ptr<const Cells>(cells), &notes); });
+    if (const std::string text = notes_text(notes, *cells); !text.empty()) warn({text});
+    return scene;
 }
 
 Scene scene_of_data(const py::object& data, const py::object& fields, PictureRequest& request) {
     const bool gaussians = is_gaussians(data);
     if (auto surface = surface_of(data)) return scene_of(std::move(surface));
+    if (py::isinstance<Cells>(data)) return scene_of_cells(data);
     if (is_field_map(request.show) && request.field.empty())
         throw Error(std::string("show '") + word_of(request.show) +
                     "': expected field, the name of one");

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "vog/cells.h"
 #include "vog/convert_moments.h"
 #include "vog/gaussians.h"
 #include "vog/progress.h"
+#include "vog/scene.h"
 
 namespace vog {
 
@@ -33,5 +35,9 @@ struct CellOptions {
 /// cost    4 us a tetrahedron at 2 %, 8 us with one Gaussian each, parallel
 [[nodiscard]] Gaussians convert_cells(const Cells& cells, const CellOptions& options = {},
                                       CellNotes* notes = nullptr, MomentReport* report = nullptr);
+
+/// Scene of cells, which the reference draws exactly, with all their fields and the density.
+/// throws  vog::Error as convert_cells does
+[[nodiscard]] Scene scene_of(std::shared_ptr<const Cells> cells, CellNotes* notes = nullptr);
 
 }  // namespace vog

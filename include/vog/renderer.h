@@ -19,7 +19,7 @@ enum class Renderer {
     trace,      ///< Gaussians on the CPU, by the paper's rays (docs/ray_tracing.md)
     cuda,       ///< Gaussians on an NVIDIA GPU, as splat (docs/gpu.md)
     optix,      ///< Gaussians and voxels on an NVIDIA GPU, by the paper's two pipelines
-    reference,  ///< voxels on the CPU, exact for voxels of constant value: the ground truth
+    reference,  ///< voxels and cells on the CPU, exact for voxels of constant value: the ground truth
 };
 
 /// Data of one kind. Particles are Gaussians, one each.
@@ -27,6 +27,7 @@ enum class RenderInput {
     gaussians,
     volumes,  ///< one, or several that add up
     levels,   ///< levels of an adaptive mesh
+    cells,    ///< cells of any shape
 };
 
 /// Facts about a renderer.

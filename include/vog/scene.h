@@ -1,11 +1,13 @@
-// vog/scene.h: Data of pictures: models, voxels with their fields, or surfaces, shared and unchanged while pictures are made.
+// vog/scene.h: Data of pictures: models, voxels with their fields, cells, or surfaces, shared and unchanged while pictures are made.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "vog/cells.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
@@ -21,6 +23,8 @@ struct Collective;
 struct ModelSource {
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy{};  ///< the model's; null or empty: none
+    /// Cells, drawn in place of the model, which has a Gaussian for each (scene_of in vog/convert_cells.h); null: the model is
+    std::shared_ptr<const CellSource> cells{};
 };
 
 /// Field at the voxels of a source.
@@ -64,6 +68,10 @@ struct Scene {
     const Collective* collective = nullptr;
 
     bool has_voxels() const { return std::holds_alternative<VoxelSource>(sources.front()); }
+    bool has_cells() const {
+        const auto* model = std::get_if<ModelSource>(&sources.front());
+        return model && model->cells;
+    }
     bool has_surface() const { return std::holds_alternative<SurfaceSource>(sources.front()); }
     const ModelSource& model() const { return std::get<ModelSource>(sources.front()); }
     const VoxelSource& voxels() const { return std::get<VoxelSource>(sources.front()); }

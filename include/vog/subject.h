@@ -9,6 +9,7 @@
 
 namespace vog {
 
+struct CellSource;
 struct Collective;
 struct Gaussians;
 struct Volume;
@@ -64,6 +65,9 @@ struct Subject {
 Content content_of(std::span<const Volume* const> volumes, const Box& box,
                    const Collective* collective = nullptr);
 Content content_of(std::span<const Volume> volumes, const Box& box);
+/// Content of cells.
+/// box  of all points, world units
+Content content_of(const CellSource& source, const Box& box);
 /// Subject of a model: Gaussians::content, or the hull that its Gaussians have as fog.
 /// collective  null, or of processes that hold a part each of a model with one box
 Subject subject_of(const Gaussians& model, const Collective* collective = nullptr);

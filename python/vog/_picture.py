@@ -61,7 +61,7 @@ class Light(NamedTuple):
 class Layer:
     """One of several fields in a volume picture: vog.render([vog.Layer(gas, "density", tf="blues"), vog.Layer(stars, tf="white")]).
 
-    data      Gaussians, a Volume, Levels, or a list of Volumes; or a surface, (points [P, 3], triangles [N, 3]), as isosurface() returns it
+    data      Gaussians, a Volume, Levels, a list of Volumes or Cells; or a surface, (points [P, 3], triangles [N, 3]), as isosurface() returns it
     field     its scalar field; None: the density
     fields    of voxels: the field at them, {'temperature': array}, as convert() takes it
     visible   whether it is drawn
@@ -157,7 +157,7 @@ def _state_keywords(call: Any, keys: "Iterable[str]") -> None:
 class Scene:
     """Data made ready for pictures from any number of views.
 
-    data    Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each); or a list of Layers. Leave its arrays as they are
+    data    Gaussians, a Volume, Levels, a list of Volumes, Cells, or Points (one Gaussian each); or a list of Layers. Leave its arrays as they are
             while the scene is used
     fields  of voxels: the field at them, {'temperature': array}, as convert() takes it
     """
@@ -195,7 +195,8 @@ def render(
 ) -> "_vog.Picture":
     """One picture of a request, in the words of `vog render`; the same request gives the same picture there.
 
-    data                Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each); a list of Layers: a volume picture of all
+    data                Gaussians, a Volume, Levels, a list of Volumes, Cells, or Points (one Gaussian each); a list of Layers: a volume
+                        picture of all
     camera              None: Camera.orbit(data), fitted to the picture
     size                pixels, 512 or (width, height)
     fields              of voxels: the field at them, {'temperature': array}, as convert() takes it

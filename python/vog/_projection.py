@@ -179,7 +179,8 @@ def _bounds(data: Any, axes: _Array) -> "tuple[_Array, _Array]":
     if isinstance(data, _vog.Levels):
         boxes = [data[n].voxel_box for n in range(len(data))]
     else:
-        boxes = [data.voxel_box if data.voxel_box is not None else data.box]
+        own = getattr(data, "voxel_box", None)
+        boxes = [own if own is not None else data.box]
     points = [_corners(*box) for box in boxes if box is not None]
     if not points:
         raise _vog.Error("projection: the data are empty, expected Gaussians or active voxels, or width=")
@@ -252,7 +253,7 @@ def projection(
 ) -> Projection:
     """Projects a model or a volume along an axis: array and extent, for imshow.
 
-    data        Gaussians, a Volume, Levels or a list of Volumes
+    data        Gaussians, a Volume, Levels, a list of Volumes or Cells
     field       name of a field; None: column density, the integral of density along each ray. Of vectors 'velocity' is the
                 component away from the observer, 'velocity.x' that along x, 'velocity.magnitude' the root mean square
     axis        direction towards the observer: 'x', 'y', 'z', '-x', ..., 0, 1, 2 or a vector (x, y, z). Along x the picture has y
@@ -335,9 +336,9 @@ def _mapped(
 ) -> Projection:
     if isinstance(data, (list, tuple)) and data and all(isinstance(one, _vog.Volume) for one in data):
         data = _vog.Levels(data)
-    if not isinstance(data, (_vog.Gaussians, _vog.Volume, _vog.Levels)):
+    if not isinstance(data, (_vog.Gaussians, _vog.Volume, _vog.Levels, _vog.Cells)):
         hint = "; vog.convert makes one of Points" if isinstance(data, _vog.Points) else ""
-        raise TypeError(f"projection: got {described(data)}, expected Gaussians, a Volume, Levels or a list of Volumes{hint}")
+        raise TypeError(f"projection: got {described(data)}, expected Gaussians, a Volume, Levels, a list of Volumes or Cells{hint}")
     flat = quantity == "slice"
     allowed = ("mean", "deviation", "integral") if field else ("column",)
     if quantity not in allowed and not flat:

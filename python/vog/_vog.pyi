@@ -54,7 +54,7 @@ _Size: TypeAlias = Union[int, Sequence[int]]
 _Extinction: TypeAlias = Union[float, str]
 _Progress: TypeAlias = Callable[[float], object]
 _Mesh: TypeAlias = Union[Volume, Levels, Sequence[Volume]]
-_Drawable: TypeAlias = Union[Gaussians, Points, _Mesh]
+_Drawable: TypeAlias = Union[Gaussians, Points, Cells, _Mesh]
 # A TransferFunction, a name, a JSON file, a Matplotlib colour map, colours [N, 3 or 4].
 _Map: TypeAlias = Union[TransferFunction, _Path, NDArray[Any], Callable[[Any], Any]]
 

@@ -48,7 +48,7 @@ std::span<const RendererInfo> renderers() {
          "reference",
          "volumes, exact through the voxels",
          true,
-         {volumes, levels}},
+         {volumes, levels, cells}},
     };
     return all;
 }
@@ -81,6 +81,7 @@ Renderer renderer_for(std::string_view name, RenderInput input) {
     }
     const char* data = input == RenderInput::gaussians ? "Gaussians"
                        : input == RenderInput::volumes ? "volumes"
+                       : input == RenderInput::cells   ? "cells"
                                                        : "levels";
     throw Error(fmt::format("renderer '{}', expected {} for {}", name, quoted_list(fitting), data));
 }

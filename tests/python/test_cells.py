@@ -50,6 +50,96 @@ def test_mistakes_are_one_line():
         vog.convert(vog.Cells(CUBE, [0, 1, 3, 4, 0, 1, 1, 3], [10, 10], [1.0, 1.0]), budget=2)
 
 
+@pytest.fixture(scope="module")
+def twins():
+    """Voxels with one value each, and hexahedra in their places, with a field that some voxels have as their largest."""
+    rng = np.random.default_rng(3)
+    density, heat = rng.uniform(0.2, 1, (5, 6, 7)), rng.uniform(300, 400, (5, 6, 7))
+    number = np.arange(6 * 7 * 8).reshape(6, 7, 8)
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    hexahedra = np.stack([number[x : x + 5, y : y + 6, z : z + 7].ravel() for x, y, z in corners], -1)
+    points = np.moveaxis(np.mgrid[0:6, 0:7, 0:8], 0, -1).reshape(-1, 3) - 0.5
+    cells = vog.Cells(points, hexahedra.ravel(), np.full(210, 12), density.ravel(), fields={"heat": heat.ravel()})
+    return vog.Scene(cells), vog.Scene(vog.Volume.from_numpy(density), fields={"heat": heat}), vog.Camera((8, 7, 13), (2, 2.5, 3))
+
+
+@pytest.mark.parametrize("request_", [
+    {}, {"show": "column"}, {"show": "mean", "field": "heat"}, {"show": "deviation", "field": "heat"}, {"show": "maximum", "field": "heat"},
+    {"show": "maximum"}, {"show": "slice", "plane": (1, 2, -1, 3.1)}, {"show": "slice", "field": "heat", "plane": (1, 2, -1, 3.1)},
+    {"show": "slice", "plane": "z=3", "thickness": 1.3}, {"clip_planes": [(1, 0.2, 0, 2)]}, {"show": "volume"},
+    {"show": "volume", "field": "heat", "tf": "viridis"}, {"show": "volume", "field": "heat", "bands": [(350, 352, "red", 0.9)], "samples": 2},
+], ids=str)  # fmt: skip
+def test_pictures_are_those_of_the_same_voxels(twins, request_):
+    cells, voxels, camera = twins
+    if request_.get("show") != "volume":
+        request_ = {**request_, "extinction": 1} if not request_ or "clip_planes" in request_ else request_
+        seen, expected = cells.render(camera, 48, **request_).values, voxels.render(camera, 48, **{"field": "", **request_}).values
+        assert np.isfinite(expected).sum() > 150
+        # Rays in a face, and points on one, are of either side.
+        off = ~np.isclose(seen, expected, rtol=2e-5, equal_nan=True)
+        assert off.mean() < 0.002, (off.sum(), seen[off], expected[off])
+        return
+    fixed = {"range": (300, 400) if "field" in request_ else (0.2, 1), "unit_distance": 1.0} if "bands" not in request_ else {"unit_distance": 1.0}
+    seen, expected = (np.asarray(scene.render(camera, 48, **fixed, **request_).image, int) for scene in (cells, voxels))
+    assert seen.max() > 100 and np.abs(seen - expected).max() <= 1
+
+
+def test_light_is_near_that_of_the_same_voxels(twins):
+    cells, voxels, camera = twins
+    request = {"show": "volume", "tf": "white", "range": (0.2, 1), "unit_distance": 1.0, "light": "studio"}
+    lit, expected, plain = cells.render(camera, 64, **request), voxels.render(camera, 64, **request), cells.render(camera, 64, **{**request, "light": None})
+    assert vog.compare(expected, lit).psnr_db > 38 and vog.compare(expected, plain).psnr_db < 25
+    shaded, flat = (np.asarray(cells.render(camera, 64, **{**request, "light": light}).image, int) for light in ("head", None))
+    assert np.abs(shaded - flat).mean() > 3
+
+
+def test_the_first_view_holds_all_cells():
+    cells = vog.Cells(CUBE, np.arange(8), [12], [1.0])
+    seen = np.asarray(vog.render(cells, size=64).values)
+    assert not seen[[0, -1]].any() and not seen[:, [0, -1]].any() and (seen > 0).mean() > 0.4
+    assert vog.render(cells, size=64).camera.eye == pytest.approx(vog.Camera.orbit(cells).eye)
+
+
+def test_maps_of_linear_data_are_exact():
+    cells = vog.Cells(CUBE, np.ravel(KUHN), [10] * 6, CUBE @ [1, -0.5, 0.25] + 2, fields={"heat": CUBE @ [2, 4, -1] - 3, "wind": {"value": CUBE, "unit": "m/s"}})
+    x, y = np.meshgrid((np.arange(8) + 0.5) / 8, (np.arange(8) + 0.5) / 8)
+    density, heat = 2 + x - 0.5 * y, 2 * x + 4 * y - 3  # at z = 0
+    np.testing.assert_allclose(vog.projection(cells, axis="z", resolution=8).array, density + 0.125, rtol=1e-6)
+    mean = (density * heat - density / 2 + heat / 8 - 1 / 12) / (density + 0.125)
+    np.testing.assert_allclose(vog.projection(cells, "heat", axis="z", resolution=8).array, mean, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(vog.slice(cells, "z", 0.25, resolution=8).array, density + 0.0625, rtol=1e-6)
+    np.testing.assert_allclose(vog.slice(cells, "z", 0.25, field="wind.magnitude", resolution=8).array, np.sqrt(x**2 + y**2 + 0.0625), rtol=1e-6)
+    # The band from 0.9 to 1 of heat, of every ray from above: (0.1 / gradient) of its way, or less.
+    picture = vog.render(cells, vog.Camera((0.5, 0.5, 5), (0.5, 0.5, 0), orthographic_width=1), 16, show="volume", field="heat",
+                         bands=[(-1, 1, "white", 0.5)], unit_distance=1.0)  # fmt: skip
+    u, v = np.meshgrid((np.arange(16) + 0.5) / 16, 1 - (np.arange(16) + 0.5) / 16)
+    low = 2 * u + 4 * v - 3  # heat at z = 0, less z above
+    first, last = np.clip(low - 1, 0, 1), np.clip(low + 1, 0, 1)
+    column = (2 + u - 0.5 * v) * (last - first) + 0.125 * (last**2 - first**2)
+    np.testing.assert_allclose(np.asarray(picture.values), 1 - 0.5**column, atol=2e-3)
+
+
+def test_requests_that_cells_cannot_meet():
+    cells = vog.Cells(CUBE, np.arange(8), [12], [1.0], fields={"heat": [2.0]})
+    for request, message in [
+        ({"renderer": "splat"}, "renderer 'splat', expected 'reference' for cells"), ({"interpolation": "linear"}, "interpolation is for voxels, not for cells"),
+        ({"show": "mean", "field": "cold"}, "no field 'cold' in the model, expected one of heat, density$"), ({"show": "mean", "field": "heat", "fields": {"heat": [1.0]}}, "cells have their own"),
+    ]:  # fmt: skip
+        with pytest.raises(vog.Error, match=message):
+            vog.render(cells, size=16, **request)
+
+
+def test_cells_beside_others_in_layers(twins):
+    cells = vog.Cells(CUBE, np.arange(8), [12], [1.0])
+    volume = vog.Volume.from_numpy(np.ones((4, 4, 4)), voxel_size=0.25, origin=(0.125, 0.125, 0.125))
+    look = {"tf": "white", "range": (0, 2), "unit_distance": 1.0}
+    camera = vog.Camera.orbit(cells)
+    one, other = (np.asarray(vog.render([vog.Layer(data, **look)], camera, 48).image, int) for data in (cells, volume))
+    assert one.max() > 50 and np.abs(one - other).max() <= 1
+    both = np.asarray(vog.render([vog.Layer(cells, **look), vog.Layer(vog.convert(volume, block=1), **look)], camera, 48).image, int)
+    assert both.max() > one.max() + 20
+
+
 @pytest.fixture
 def curvilinear():
     """A quarter of a ring with linear data, [points along the radius, the angle, z]."""

@@ -68,6 +68,42 @@ void for_each_tetrahedron(const Shape& shape, const Take& take) {
             take(Corners{&corner.back(), around[k], around[(k + 1) % 4], &middle});
     }
 }
+/// Calls visit(middle, volume) for parts of a tetrahedron, halved across their longest edges until none is longer than `edge`.
+/// volume  of either sign, as the tetrahedron's
+template <class Visit>
+void for_each_part(const std::array<Corner, 4>& corner, double edge, const Visit& visit) {
+    std::size_t a = 0, b = 1;
+    double longest = 0;
+    for (std::size_t j = 0; j < 4; ++j)
+        for (std::size_t k = j + 1; k < 4; ++k)
+            if (const double one = length(corner[k].place - corner[j].place); one > longest)
+                longest = one, a = j, b = k;
+    if (longest <= edge) {
+        const Vec3d base = corner[0].place;
+        return visit(
+            mean_of(std::array{&corner[0], &corner[1], &corner[2], &corner[3]}),
+            dot(corner[1].place - base, cross(corner[2].place - base, corner[3].place - base)) / 6);
+    }
+    for (const std::size_t end : {a, b}) {
+        std::array<Corner, 4> half = corner;
+        half[end] = mean_of(std::array{&corner[a], &corner[b]});
+        for_each_part(half, edge, visit);
+    }
+}
+/// The same of a whole cell; volumes are above 0 but in the inverted parts of a tangled one.
+template <class Visit>
+void for_each_part(const Shape& shape, double edge, const Visit& visit) {
+    double volume = 0;
+    for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
+        volume += dot(c[1]->place - c[0]->place,
+                      cross(c[2]->place - c[0]->place, c[3]->place - c[0]->place));
+    });
+    for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
+        for_each_part(
+            std::array{*c[0], *c[1], *c[2], *c[3]}, edge,
+            [&](const Corner& middle, double part) { visit(middle, volume < 0 ? -part : part); });
+    });
+}
 /// Integrals over the cell, about its centre; volume below 0 for a mirrored cell.
 /// components  of the values at the corners; 0: none
 CellIntegrals integrals_of(const Shape& shape, std::size_t components);

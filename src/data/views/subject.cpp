@@ -11,6 +11,8 @@
 
 #include "core/paging.h"
 #include "core/parallel.h"
+#include "data/cells/cell_moments.h"
+#include "vog/cells.h"
 #include "vog/dense.h"
 #include "vog/distributed.h"
 
@@ -93,6 +95,17 @@ class MassLattice {
             for (int axis = 0; axis < 3; ++axis)
                 for (const double side : {-spread, spread})
                     add(mean + (side * s[axis]) * axes.column(axis), share);
+        }
+    }
+
+    void add(const CellSource& source) {
+        for (const std::uint32_t n : source.kept) {
+            check_interrupt();
+            const unstructured::Shape shape = unstructured::shape_of(*source.cells, n);
+            unstructured::for_each_part(
+                shape, cell_, [&](const unstructured::Corner& middle, double volume) {
+                    add(shape.centre + middle.place, std::max(middle.density * volume, 0.0));
+                });
         }
     }
 
@@ -355,6 +368,15 @@ Content content_of(std::span<const Volume* const> volumes, const Box& box,
     for (const Volume* volume : volumes) lattice.add(*volume);
     lattice.sum_over(all);
     content.voxels = joined_box(content.voxels, all);
+    content.hull = lattice.hull();
+    return content;
+}
+
+Content content_of(const CellSource& source, const Box& box) {
+    Content content{box, {}, {}, source.cells->units};
+    if (!has_extent(box)) return content;
+    MassLattice lattice(box);
+    lattice.add(source);
     content.hull = lattice.hull();
     return content;
 }

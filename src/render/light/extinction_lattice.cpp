@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "data/cells/cell_moments.h"
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/value_pieces.h"
 #include "vog/distributed.h"
@@ -140,6 +141,21 @@ class VoxelPoints {
     int parts_[3], count_;
 };
 
+/// Adds items in a few parts, summed in one order: the same sums for any number of threads.
+/// add(n, to)  adds item n
+template <class Add>
+void add_in_parts(std::size_t count, ExtinctionLattice& lattice, const Add& add) {
+    constexpr std::size_t kParts = 4;
+    std::vector<ExtinctionLattice> parts(kParts, lattice);
+    vog::parallel_for(std::size_t{0}, kParts, [&](std::size_t part) {
+        std::ranges::fill(parts[part].sum, 0.0);
+        for (std::size_t n = part * count / kParts; n < (part + 1) * count / kParts; ++n)
+            add(n, parts[part]);
+    });
+    for (const ExtinctionLattice& part : parts)
+        for (std::size_t n = 0; n < lattice.sum.size(); ++n) lattice.sum[n] += part.sum[n];
+}
+
 }  // namespace
 
 ExtinctionLattice::ExtinctionLattice(const Box& box, int most_cells) : cells(most_cells) {
@@ -224,32 +240,47 @@ void add_extinction(const Volume& volume, const VoxelField& field, const ValueTr
             pieces(own ? double{density} + field.background : double{value}).extinction;
         return own ? of_value : of_value * double{density};
     };
-    // A few parts, summed in one order: the same sums for any number of threads.
-    constexpr std::size_t kParts = 4;
-    std::vector<ExtinctionLattice> parts(kParts, lattice);
     const VoxelPoints points(volume, lattice, 1);
-    vog::parallel_for(std::size_t{0}, kParts, [&](std::size_t part) {
-        ExtinctionLattice& to = parts[part];
-        std::ranges::fill(to.sum, 0.0);
-        const std::size_t count = volume.leaves.size();
-        for (std::size_t l = part * count / kParts; l < (part + 1) * count / kParts; ++l) {
-            const Leaf& leaf = volume.leaves[l];
-            for (int n = 0; n < kLeafVoxels; ++n) {
-                if (!leaf.active(n)) continue;
-                const auto offset = static_cast<std::size_t>(n);
-                const float value = own ? 0 : values.leaf[l][offset];
-                points.add(leaf.origin + Vec3i{n >> 6, n >> 3 & 7, n & 7},
-                           extinction(leaf.value[offset], value), to);
-            }
+    add_in_parts(volume.leaves.size(), lattice, [&](std::size_t l, ExtinctionLattice& to) {
+        const Leaf& leaf = volume.leaves[l];
+        for (int n = 0; n < kLeafVoxels; ++n) {
+            if (!leaf.active(n)) continue;
+            const auto offset = static_cast<std::size_t>(n);
+            const float value = own ? 0 : values.leaf[l][offset];
+            points.add(leaf.origin + Vec3i{n >> 6, n >> 3 & 7, n & 7},
+                       extinction(leaf.value[offset], value), to);
         }
     });
-    for (const ExtinctionLattice& part : parts)
-        for (std::size_t n = 0; n < lattice.sum.size(); ++n) lattice.sum[n] += part.sum[n];
     for (std::size_t t = 0; t < volume.tiles.size(); ++t) {
         const Tile& tile = volume.tiles[t];
         VoxelPoints(volume, lattice, tile.edge)
             .add(tile.origin, extinction(tile.value, own ? 0 : values.tile[t]), lattice);
     }
+}
+
+void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,
+                    const CellValues& values, const ValueTransfer& transfer,
+                    ExtinctionLattice& lattice) {
+    const ValuePieces pieces(transfer);
+    const bool own = &values == &cells.density;
+    const double per_cell = 1 / (lattice.edge * lattice.edge * lattice.edge);
+    add_in_parts(kept.size(), lattice, [&](std::size_t i, ExtinctionLattice& to) {
+        unstructured::Shape shape = unstructured::shape_of(cells, kept[i]);
+        const double mean = unstructured::set_values(shape, cells, kept[i], values)[0];
+        unstructured::for_each_part(
+            shape, lattice.edge, [&](const unstructured::Corner& middle, double volume) {
+                const double extinction = pieces(mean + middle.value[0]).extinction *
+                                          (own ? 1 : std::max(middle.density, 0.0));
+                const Vec3d at = 1 / lattice.edge * (shape.centre + middle.place - lattice.first);
+                Vec3i cell;
+                for (int axis = 0; axis < 3; ++axis)
+                    cell[axis] = std::clamp(static_cast<int>(std::lround(at[axis])), 0,
+                                            lattice.size[axis] - 1);
+                to.sum[to.at(cell.x, cell.y, cell.z)] += per_cell * volume * extinction;
+            });
+    });
+    // Tangled cells have parts that count less than nothing.
+    for (double& sum : lattice.sum) sum = std::max(sum, 0.0);
 }
 
 }  // namespace vog::lights

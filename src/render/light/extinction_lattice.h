@@ -1,10 +1,12 @@
-// extinction_lattice.h: Extinction of a model or of voxels under a transfer function, averaged over the cells of a lattice.
+// extinction_lattice.h: Extinction of a model, voxels or cells under a transfer function, averaged over the cells of a lattice.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "render/by_value/light_of_moments.h"
+#include "vog/cells.h"
 #include "vog/clip.h"
 #include "vog/gaussians.h"
 #include "vog/value_transfer.h"
@@ -50,6 +52,13 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
 /// Adds voxels of constant value, to a lattice without models.
 /// field  scalar; without values the volume's own
 void add_extinction(const Volume& volume, const VoxelField& field, const ValueTransfer& transfer,
+                    ExtinctionLattice& lattice);
+
+/// Adds cells of any shape, likewise.
+/// kept    those with mass
+/// values  scalar, of the cells; their density itself: its extinction is not weighed by density
+void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,
+                    const CellValues& values, const ValueTransfer& transfer,
                     ExtinctionLattice& lattice);
 
 }  // namespace vog::lights

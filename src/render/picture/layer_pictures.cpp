@@ -3,6 +3,7 @@
 
 #include "render/layers/slab_layers.h"
 #include "render/picture/source_renderer.h"
+#include "render/reference/cells/lit_cells.h"
 #include "render/reference/fields/ray_light.h"
 
 namespace vog::pictures {
@@ -26,6 +27,7 @@ void update(LayersLight& light, const ResolvedPicture& picture,
         transfers.push_back(of_layers[n]->chosen.transfer);
         data.push_back(layer.model     ? static_cast<const void*>(layer.model)
                        : layer.surface ? static_cast<const void*>(layer.surface)
+                       : layer.cells   ? static_cast<const void*>(layer.cells)
                                        : layer.volumes.data());
         opacities.push_back(layer.asked->opacity.value_or(1));
         of_voxels = of_voxels && !layer.model;
@@ -36,6 +38,10 @@ void update(LayersLight& light, const ResolvedPicture& picture,
             for (std::size_t v = 0; v < prepared[n].volumes.size(); ++v)
                 lights::add_extinction(prepared[n].volumes[v], prepared[n].field[v], transfers[n],
                                        lattice);
+        for (std::size_t n = 0; n < prepared.size(); ++n)
+            if (prepared[n].cells)
+                lights::add_extinction(prepared[n].cells->cells(), prepared[n].cells->kept(),
+                                       *prepared[n].values, transfers[n], lattice);
         for (const PreparedLayer& layer : prepared)
             if (layer.model) layer.model->add_extinction(lattice);
         for (std::size_t n = 0; n < prepared.size(); ++n)
@@ -80,6 +86,10 @@ VolumeImage layered_picture(const ResolvedPicture& picture, std::span<PreparedLa
             rays.insert(rays.begin(), std::make_unique<layers::PlaneRays>(
                                           ClipPlane{plane->normal, *plane->offset},
                                           std::move(layer.plane), transfer, holes, opacity, frame));
+        } else if (layer.cells) {
+            box.include(vog::bounds(layer.cells->cells()));
+            rays.push_back(std::make_unique<reference::LitCells>(*layer.cells, *layer.values,
+                                                                 transfer, look, light.reached));
         } else {
             for (const Volume& volume : layer.volumes) box.include(world_box(volume));
             rays.push_back(std::make_unique<reference::VoxelRays>(

@@ -74,6 +74,7 @@ struct PictureRenderer::State {
                 sources.push_back(std::get<VoxelSource>(source));
             return reference_pictures(std::move(sources), options, processes);
         }
+        if (of.has_cells()) return cell_pictures(of.model());
         switch (renderer) {
             case Renderer::splat:
                 return splat_pictures(of.model(), options, processes);

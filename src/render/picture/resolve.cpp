@@ -42,7 +42,9 @@ FieldChoice field_of(const PictureRequest& request, const Scene& scene, const Fi
         try {
             choice = field_choice(request.field, fields);
         } catch (const Error& error) {
-            throw about(scene, error.what());
+            const std::string text = error.what();
+            // What a model's message goes on with: conversions that would carry the field.
+            throw about(scene, scene.has_cells() ? text.substr(0, text.find("; vog convert")) : text);
         }
         if (is_by_value(request.show) && choice.part != FieldPart::value)
             throw about(scene, fmt::format("'{}' is a vector field, show '{}' is of scalar fields",
@@ -162,7 +164,7 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         const Scene& data = scene.layers[n];
         require_layer_effects(layer, data.has_surface());
         if (data.has_surface()) continue;
-        own = resolve(request_of(layer, request, data.has_voxels()), data);
+        own = resolve(request_of(layer, request, data.has_voxels() || data.has_cells()), data);
         if (!layer.field.empty()) layer.field = own.field.field;
         layer.transfer = own.request.transfer, layer.fit = own.request.fit;
         if (layer.plane) layer.plane = resolved_plane(*layer.plane, {}, data.subject);
@@ -273,10 +275,12 @@ ValueData value_data(const Scene& scene, const std::string& field) {
 ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     ResolvedPicture picture;
     const bool models =
-        !scene.has_voxels() || std::ranges::any_of(scene.layers, [](const Scene& s) {
-            return !s.sources.empty() && !s.has_voxels() && !s.has_surface();
+        !(scene.has_voxels() || scene.has_cells()) ||
+        std::ranges::any_of(scene.layers, [](const Scene& s) {
+            return !s.sources.empty() && !s.has_voxels() && !s.has_cells() && !s.has_surface();
         });
     const RenderInput input = models                              ? RenderInput::gaussians
+                              : scene.has_cells()                 ? RenderInput::cells
                               : scene.voxels().volumes->is_mesh() ? RenderInput::levels
                                                                   : RenderInput::volumes;
     if (!request.renderer) request.renderer = renderer_for({}, input);

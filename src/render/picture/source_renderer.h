@@ -9,6 +9,7 @@
 #include "render/by_value/volume_image.h"
 #include "render/gpu/sums/gpu_sums.h"
 #include "render/layers/surface_rays.h"
+#include "render/reference/cells/cell_rays.h"
 #include "render/reference/reference.h"
 #include "render/slice/slice.h"
 #include "render/splat/volume/volume_splat.h"
@@ -18,13 +19,15 @@ namespace vog::pictures {
 
 /// A layer of a volume picture, prepared.
 struct PreparedLayer {
-    SlabRenderer* model = nullptr;  ///< null: of voxels, a plane or a surface
+    SlabRenderer* model = nullptr;  ///< null: of voxels, cells, a plane or a surface
     const layers::SurfaceBvh* surface = nullptr;
     std::vector<float> plane{};  ///< [height * width] values on the layer's plane
     const Layer* asked = nullptr;
     std::span<const Volume> volumes{};
     std::span<const VoxelField> field{};  ///< [volumes]
     VoxelGridOptions voxels{};
+    const reference::CellRays* cells = nullptr;
+    const CellValues* values = nullptr;  ///< of the cells
 };
 
 /// Draws pictures of data that it prepares for the first one and keeps.
@@ -125,6 +128,8 @@ std::unique_ptr<SourceRenderer> reference_pictures(std::vector<VoxelSource> sour
                                                    const RenderOptions& options,
                                                    const Collective* processes);
 std::unique_ptr<SourceRenderer> gpu_voxel_pictures(const VoxelSource& source);
+/// Of cells, by the reference.
+std::unique_ptr<SourceRenderer> cell_pictures(const ModelSource& source);
 
 /// Light that reaches layers, kept while neither these nor the light change.
 struct LayersLight {

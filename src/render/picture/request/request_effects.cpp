@@ -117,7 +117,12 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
         // Renderers of both models and voxels have members that are for models alone.
         if (input && *input != RenderInput::gaussians &&
             !has(names, info_of(Renderer::reference).name) && is_stated(entry, request))
-            throw RequestError(key, " is for Gaussians, not for voxels");
+            throw RequestError(key, input == RenderInput::cells
+                                        ? " is for Gaussians, not for cells"
+                                        : " is for Gaussians, not for voxels");
+        if (input == RenderInput::cells && (key == "interpolation" || key == "step") &&
+            is_stated(entry, request))
+            throw RequestError(key, " is for voxels, not for cells, which are drawn exactly");
     }
     require_rules(request, renderer);
 }

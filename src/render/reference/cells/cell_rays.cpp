@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "data/cells/cell_moments.h"
 #include "render/pixel_tiles.h"
 #include "render/reference/reference_grid.h"
 #include "vog/error.h"
@@ -33,7 +32,7 @@ void collect(const RTCOccludedFunctionNArguments* args) {
     if (*args->valid) static_cast<Query*>(args->context)->found.push_back(args->primID);
 }
 
-/// The part of a ray in a tetrahedron, and the densities at its ends.
+/// The part of a ray in a tetrahedron, and the density and values at its ends.
 /// origin  relative to the cell's centre
 bool cross_tetrahedron(const std::array<const Corner*, 4>& corner, Vec3d origin, Vec3d direction,
                        CellPiece& piece) {
@@ -59,12 +58,17 @@ bool cross_tetrahedron(const std::array<const Corner*, 4>& corner, Vec3d origin,
             return false;
     }
     if (piece.segment.empty()) return false;
-    double density = 0, per_t = 0;
-    for (std::size_t k = 0; k < 4; ++k)
-        density += at[k] * corner[k]->density, per_t += slope[k] * corner[k]->density;
     const double sign = volume < 0 ? -1 : 1;
-    piece.first = sign * (density + per_t * piece.segment.first);
-    piece.last = sign * (density + per_t * piece.segment.last);
+    for (const bool last : {false, true}) {
+        CellPoint& end = last ? piece.last : piece.first;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double share =
+                at[k] + slope[k] * (last ? piece.segment.last : piece.segment.first);
+            end.density += sign * share * corner[k]->density;
+            for (std::size_t c = 0; c < kMostValues; ++c)
+                end.value[c] += share * corner[k]->value[c];
+        }
+    }
     return true;
 }
 
@@ -112,9 +116,19 @@ CellRays::CellRays(const Cells& cells, std::span<const std::uint32_t> kept) {
         throw Error(fmt::format("cells: Embree error {}", static_cast<int>(code)));
 }
 CellRays::~CellRays() = default;
+const Cells& CellRays::cells() const { return embree_->cells; }
+std::span<const std::uint32_t> CellRays::kept() const { return embree_->kept; }
+double CellRays::radius() const { return embree_->radius; }
 
-void CellRays::add(Vec3d origin, Vec3d direction, Segment within,
-                   std::vector<CellPiece>& pieces) const {
+CellPoint CellPiece::at(double share) const {
+    CellPoint point{std::lerp(first.density, last.density, share)};
+    for (std::size_t c = 0; c < kMostValues; ++c)
+        point.value[c] = std::lerp(first.value[c], last.value[c], share);
+    return point;
+}
+
+void CellRays::add(Vec3d origin, Vec3d direction, Segment within, std::vector<CellPiece>& pieces,
+                   const CellValues* values) const {
     const Embree& of = *embree_;
     // A ray in a face that two cells share would count in both or in none: all rays are beside theirs.
     constexpr double kBeside = 1e-10;
@@ -122,8 +136,8 @@ void CellRays::add(Vec3d origin, Vec3d direction, Segment within,
     // From the nearest point to the centre backwards, where floats are finest.
     const double stretch = length(direction);
     const Vec3d along = 1 / stretch * direction;
-    const Vec3d start =
-        origin + (dot(of.centre - origin, along) - 2 * of.radius) * along - of.centre;
+    const double before = dot(of.centre - origin, along) - 2 * of.radius;
+    const Vec3d start = origin + before * along - of.centre;
     thread_local Query query;
     rtcInitIntersectContext(&query);
     query.found.clear();
@@ -131,7 +145,13 @@ void CellRays::add(Vec3d origin, Vec3d direction, Segment within,
     ray.org_x = static_cast<float>(start.x), ray.org_y = static_cast<float>(start.y);
     ray.org_z = static_cast<float>(start.z), ray.dir_x = static_cast<float>(along.x);
     ray.dir_y = static_cast<float>(along.y), ray.dir_z = static_cast<float>(along.z);
-    ray.tfar = static_cast<float>(4 * of.radius);
+    constexpr double kRounding = 1e-5;
+    const auto within_tree = [&](double t, double slack) {
+        return static_cast<float>(
+            std::clamp(t * stretch - before + slack * of.radius, 0.0, 4 * of.radius));
+    };
+    ray.tnear = within_tree(within.first, -kRounding);
+    ray.tfar = within_tree(within.last, kRounding);
     ray.mask = ~0u;
     rtcOccluded1(of.scene.get(), &query, &ray);
     std::ranges::sort(query.found);  // sums do not depend on the order of Embree's nodes
@@ -139,7 +159,9 @@ void CellRays::add(Vec3d origin, Vec3d direction, Segment within,
         const std::uint32_t cell = of.kept[n];
         Shape shape = shape_of(of.cells, cell);
         for (Corner& corner : shape.corner) corner.density = std::max(corner.density, 0.0);
-        const std::size_t before = pieces.size();
+        const std::array<double, kMostValues> mean =
+            values ? set_values(shape, of.cells, cell, *values) : std::array<double, kMostValues>{};
+        const std::size_t first = pieces.size();
         double volume = 0;
         for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& corner) {
             const Vec3d base = corner[0]->place;
@@ -149,8 +171,11 @@ void CellRays::add(Vec3d origin, Vec3d direction, Segment within,
             if (cross_tetrahedron(corner, origin - shape.centre, direction, piece))
                 pieces.push_back(piece);
         });
-        for (std::size_t k = before; volume < 0 && k < pieces.size(); ++k)
-            pieces[k].first *= -1, pieces[k].last *= -1;
+        for (std::size_t k = first; k < pieces.size(); ++k)
+            for (CellPoint* end : {&pieces[k].first, &pieces[k].last}) {
+                if (volume < 0) end->density *= -1;
+                for (std::size_t c = 0; c < kMostValues; ++c) end->value[c] += mean[c];
+            }
     }
 }
 
@@ -173,8 +198,8 @@ DepthImage render_cells_reference(const CellRays& rays, const Camera& camera, in
             rays.add(origin, direction, visible_segment(options.clip, origin, direction), pieces);
             double along = 0;
             for (const CellPiece& piece : pieces)
-                along +=
-                    (piece.segment.last - piece.segment.first) / 2 * (piece.first + piece.last);
+                along += (piece.segment.last - piece.segment.first) / 2 *
+                         (piece.first.density + piece.last.density);
             sum += along * length(direction);
         }
         image.at(column, row) = static_cast<float>(std::max(sum / (samples * samples), 0.0));

@@ -1,25 +1,32 @@
 // cell_rays.h: Ground truth of meshes: exact chords of rays through the tetrahedra of each cell (vog/cells.h), in which values are linear.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "data/cells/cell_moments.h"
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/reference.h"
 #include "vog/cells.h"
 
 namespace vog::reference {
 
+/// Density and a field at a point of a ray.
+struct CellPoint {
+    double density = 0;  ///< below 0 in the inverted parts of a tangled cell
+    std::array<double, unstructured::kMostValues> value{};
+};
 /// Piece of a ray in a tetrahedron of a cell.
 struct CellPiece {
     Segment segment;
     std::uint32_t cell = 0;
-    double
-        first = 0,
-        last =
-            0;  ///< density at the ends, linear between; below 0 in the inverted parts of a tangled cell
+    CellPoint first{}, last{};  ///< at the ends, linear between
+
+    /// share  of the way from the first end to the last, [0, 1]
+    CellPoint at(double share) const;
 };
 
 /// Cells prepared for rays: Embree's bounding volume hierarchy.
@@ -30,7 +37,13 @@ class CellRays {
     CellRays(const Cells& cells, std::span<const std::uint32_t> kept);
     ~CellRays();
     /// Appends the pieces on a ray, in any order.
-    void add(Vec3d origin, Vec3d direction, Segment within, std::vector<CellPiece>& pieces) const;
+    /// values  of the field at their ends; null: none
+    void add(Vec3d origin, Vec3d direction, Segment within, std::vector<CellPiece>& pieces,
+             const CellValues* values = nullptr) const;
+    const Cells& cells() const;
+    std::span<const std::uint32_t> kept() const;
+    /// World units: half of the diagonal of the box of all points.
+    double radius() const;
 
   private:
     struct Embree;

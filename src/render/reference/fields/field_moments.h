@@ -1,10 +1,12 @@
-// field_moments.h: Measures of a field's moments, each a grid of its own: sums along rays with every rule of the
+// field_moments.h: Sums of a field along rays, and measures of its moments, each a grid of its own, with every rule of the
 // reference, interpolation, levels and masks.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "render/reference/hierarchical_dda.h"
 #include "render/reference/reference.h"
 #include "render/shown_field.h"
 #include "vog/distributed.h"
@@ -99,5 +101,23 @@ MomentGrids<Grid> moment_grids(const MomentUnits& units, const Prepare& prepare)
     }
     return grids;
 }
+
+/// Adds what a field has on a ray to the sums of a pixel.
+using AddRay = std::function<void(Vec3d origin, Vec3d direction, FirstRelative& to)>;
+/// Sums over the rays of every pixel.
+FieldMaps maps_of_rays(const Camera& camera, int width, int height, const ReferenceOptions& options,
+                       const AddRay& add);
+
+/// Calls maps(part, progress) for the part, or for each component of a magnitude.
+template <class Maps>
+FieldMaps of_part(FieldPart part, const Progress& progress, const Maps& maps) {
+    return part == FieldPart::magnitude ? magnitude_maps(progress, maps) : maps(part, progress);
+}
+
+/// Largest value of a field on a ray; minus infinity: it meets nothing.
+using LargestOnRay = std::function<double(Vec3d origin, Vec3d direction, Segment within)>;
+/// Largest values along the rays of every pixel, as render_maximum_reference has them.
+ValueMap maxima_of_rays(const Camera& camera, int width, int height,
+                        const ReferenceOptions& options, const LargestOnRay& largest);
 
 }  // namespace vog::reference

@@ -62,46 +62,6 @@ FieldMaps joint_maps(const CameraFrame& frame, const ReferenceOptions& options,
     return maps;
 }
 
-/// Sums over the rays of every pixel.
-/// add  called with a ray and the sums that receive it
-template <class Add>
-FieldMaps maps_of(const Camera& camera, int width, int height, const ReferenceOptions& options,
-                  const Add& add) {
-    check_samples(options.samples);
-    validate(options.clip);
-    const CameraFrame frame = frame_of(camera, width, height);
-    const int samples = options.samples;
-    const auto sums_of = [&](int column, int row) {
-        check_interrupt();
-        FirstRelative pixel;
-        for (int y = 0; y < samples; ++y)
-            for (int x = 0; x < samples; ++x) {
-                const double at_x = column + sample_offset(x, samples);
-                const double at_y = row + sample_offset(y, samples);
-                add(frame.origin(at_x, at_y), frame.direction(at_x, at_y), pixel);
-            }
-        return pixel;
-    };
-    const auto place = [&](int column, int row) {
-        return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-               static_cast<std::size_t>(column);
-    };
-    if (const Collective* processes = processes_of(options))
-        return joint_maps(frame, options, *processes,
-                          [&](int top, int rows, std::span<FirstRelative> pixels) {
-                              for_each_pixel(width, rows, {}, [&](int column, int row) {
-                                  pixels[place(column, row)] = sums_of(column, top + row);
-                              });
-                          });
-    FieldMaps maps = empty_maps(width, height);
-    for_each_pixel(width, height, options.progress, [&](int column, int row) {
-        const FirstRelative pixel = sums_of(column, row);
-        set_pixel(maps, place(column, row), pixel.sums, pixel.sums.column / (samples * samples),
-                  pixel.reference, 1);
-    });
-    return maps;
-}
-
 /// Adds the voxels of a grid on a ray.
 void add_part(const FieldGrid& grid, Vec3d origin, Vec3d direction, Segment seen,
               FirstRelative& to) {
@@ -138,13 +98,48 @@ FieldMaps maps_with_boxes(const DividedGrids<FieldGrid>& grids, const CameraFram
     return maps;
 }
 
-/// Calls maps(part, progress) for the part, or for each component of a magnitude.
-template <class Maps>
-FieldMaps of_part(FieldPart part, const Progress& progress, const Maps& maps) {
-    return part == FieldPart::magnitude ? magnitude_maps(progress, maps) : maps(part, progress);
+}  // namespace
+
+namespace reference {
+
+FieldMaps maps_of_rays(const Camera& camera, int width, int height, const ReferenceOptions& options,
+                       const AddRay& add) {
+    check_samples(options.samples);
+    validate(options.clip);
+    const CameraFrame frame = frame_of(camera, width, height);
+    const int samples = options.samples;
+    const auto sums_of = [&](int column, int row) {
+        check_interrupt();
+        FirstRelative pixel;
+        for (int y = 0; y < samples; ++y)
+            for (int x = 0; x < samples; ++x) {
+                const double at_x = column + sample_offset(x, samples);
+                const double at_y = row + sample_offset(y, samples);
+                add(frame.origin(at_x, at_y), frame.direction(at_x, at_y), pixel);
+            }
+        return pixel;
+    };
+    const auto place = [&](int column, int row) {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(column);
+    };
+    if (const Collective* processes = processes_of(options))
+        return joint_maps(frame, options, *processes,
+                          [&](int top, int rows, std::span<FirstRelative> pixels) {
+                              for_each_pixel(width, rows, {}, [&](int column, int row) {
+                                  pixels[place(column, row)] = sums_of(column, top + row);
+                              });
+                          });
+    FieldMaps maps = empty_maps(width, height);
+    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        const FirstRelative pixel = sums_of(column, row);
+        set_pixel(maps, place(column, row), pixel.sums, pixel.sums.column / (samples * samples),
+                  pixel.reference, 1);
+    });
+    return maps;
 }
 
-}  // namespace
+}  // namespace reference
 
 FieldMaps render_field_reference(std::span<const Volume> volumes,
                                  std::span<const VoxelField> fields, FieldPart part,
@@ -160,12 +155,13 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
         const CameraFrame frame = frame_of(camera, width, height);
         const DividedGrids<FieldGrid> parts(grids, frame, options);
         if (!parts.boxes.empty()) return maps_with_boxes(parts, frame, of(progress));
-        return maps_of(camera, width, height, of(progress),
-                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
-                           const Segment seen = visible_segment(options.clip, origin, direction);
-                           for (const FieldGrid& grid : grids)
-                               add_part(grid, origin, direction, seen, to);
-                       });
+        return maps_of_rays(camera, width, height, of(progress),
+                            [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                                const Segment seen =
+                                    visible_segment(options.clip, origin, direction);
+                                for (const FieldGrid& grid : grids)
+                                    add_part(grid, origin, direction, seen, to);
+                            });
     };
     const auto linear = [&](FieldPart shown, const Progress& progress) {
         require_no_clip(options);
@@ -178,11 +174,11 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
             grids.push_back(moment_grids<VoxelGrid>(units, [&](int a, int b) {
                 return voxel_grid(moment_volume(volumes[n], valued[n], units, a, b), voxels);
             }));
-        return maps_of(camera, width, height, of(progress),
-                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
-                           for (const auto& grid : grids)
-                               to.add(grid.along(origin, normalized(direction)));
-                       });
+        return maps_of_rays(camera, width, height, of(progress),
+                            [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                                for (const auto& grid : grids)
+                                    to.add(grid.along(origin, normalized(direction)));
+                            });
     };
     return voxels.interpolation == Interpolation::constant
                ? of_part(part, options.progress, constant)
@@ -230,12 +226,12 @@ FieldMaps render_field_reference(std::span<const Levels* const> parts,
                 return level_grids(moments, voxels);
             }));
         }
-        return maps_of(camera, width, height,
-                       ReferenceOptions{progress, options.samples, {}, options.collective},
-                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
-                           for (const auto& one : grids)
-                               to.add(one.along(origin, normalized(direction)));
-                       });
+        return maps_of_rays(camera, width, height,
+                            ReferenceOptions{progress, options.samples, {}, options.collective},
+                            [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                                for (const auto& one : grids)
+                                    to.add(one.along(origin, normalized(direction)));
+                            });
     });
 }
 

@@ -4,6 +4,7 @@
 
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
+#include "render/reference/fields/field_moments.h"
 #include "render/reference/parts/joint_pixels.h"
 #include "render/reference/reference.h"
 
@@ -19,9 +20,9 @@ constexpr double kNoVoxel = -std::numeric_limits<double>::infinity();
 /// Largest values along the rays of a picture.
 class LargestValues {
   public:
-    LargestValues(const std::vector<FieldGrid>& grids, const CameraFrame& frame,
+    LargestValues(const LargestOnRay& largest, const CameraFrame& frame,
                   const ReferenceOptions& options)
-        : grids_(grids), frame_(frame), options_(options) {}
+        : largest_(largest), frame_(frame), options_(options) {}
 
     int rays_per_pixel() const { return options_.samples * options_.samples; }
     double along(int column, int row, int ray) const {
@@ -30,14 +31,7 @@ class LargestValues {
         const double y = row + sample_offset(ray / samples, samples);
         const Vec3d origin = frame_.origin(x, y), direction = frame_.direction(x, y);
         const Segment within = visible_segment(options_.clip, origin, direction);
-        double largest = kNoVoxel;
-        if (within.empty()) return largest;
-        for (const FieldGrid& grid : grids_)
-            grid.walk(origin, direction, within, [&](const FieldCell& cell) {
-                if (!cell.segment.empty()) largest = std::max(largest, cell.value);
-                return true;
-            });
-        return largest;
+        return within.empty() ? kNoVoxel : largest_(origin, direction, within);
     }
     /// Value of a pixel.
     /// value(ray)  largest value on one of its rays
@@ -51,7 +45,7 @@ class LargestValues {
     }
 
   private:
-    const std::vector<FieldGrid>& grids_;
+    const LargestOnRay& largest_;
     const CameraFrame& frame_;
     const ReferenceOptions& options_;
 };
@@ -79,14 +73,12 @@ void draw_joint(const LargestValues& values, const Collective& processes, const 
 
 }  // namespace
 
-ValueMap render_maximum_reference(std::span<const Volume> volumes,
-                                  std::span<const VoxelField> fields, const Camera& camera,
-                                  int width, int height, const ReferenceOptions& options) {
+ValueMap reference::maxima_of_rays(const Camera& camera, int width, int height,
+                                   const ReferenceOptions& options, const LargestOnRay& largest) {
     check_samples(options.samples);
     validate(options.clip);
-    const std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
     const CameraFrame frame = frame_of(camera, width, height);
-    const LargestValues values(grids, frame, options);
+    const LargestValues values(largest, frame, options);
     ValueMap map{width, height, {}};
     map.value.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     if (const Collective* processes = processes_of(options)) {
@@ -100,6 +92,23 @@ ValueMap render_maximum_reference(std::span<const Volume> volumes,
             values.mean([&](int ray) { return values.along(column, row, ray); });
     });
     return map;
+}
+
+ValueMap render_maximum_reference(std::span<const Volume> volumes,
+                                  std::span<const VoxelField> fields, const Camera& camera,
+                                  int width, int height, const ReferenceOptions& options) {
+    check_samples(options.samples);
+    const std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
+    const auto largest = [&](Vec3d origin, Vec3d direction, Segment within) {
+        double most = kNoVoxel;
+        for (const FieldGrid& grid : grids)
+            grid.walk(origin, direction, within, [&](const FieldCell& cell) {
+                if (!cell.segment.empty()) most = std::max(most, cell.value);
+                return true;
+            });
+        return most;
+    };
+    return maxima_of_rays(camera, width, height, options, largest);
 }
 
 }  // namespace vog

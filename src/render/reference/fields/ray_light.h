@@ -8,11 +8,14 @@
 #include <span>
 #include <vector>
 
+#include "render/by_value/lighting.h"
+#include "render/by_value/value_pieces.h"
 #include "render/by_value/volume_image.h"
 #include "render/device/voxels/ray_sums.h"
 #include "render/light/illumination.h"
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/reference.h"
+#include "render/shown_field.h"
 #include "vog/value_transfer.h"
 #include "vog/voxel_field.h"
 
@@ -20,6 +23,69 @@ namespace vog::reference {
 
 /// Light along a ray, front to back.
 using Compositor = device::RayLight;
+
+/// Ray of a pixel.
+struct WorldRay {
+    Vec3d origin, direction;
+    double stretch;     ///< world units of one t
+    Vec3d towards_eye;  ///< unit length
+
+    WorldRay(Vec3d from, Vec3d along)
+        : origin(from),
+          direction(along),
+          stretch(length(along)),
+          towards_eye((-1 / stretch) * along) {}
+};
+
+/// Light of a field's values: extinction per world unit and colour.
+class FieldLight {
+  public:
+    /// reached  light at points of the world, which must outlive this
+    FieldLight(const ValueTransfer& transfer, const VolumeLook& look,
+               const lights::Illumination& reached)
+        : pieces_(transfer), lighting_(look), lattice_(reached.lattice()), edge_(reached.edge()) {}
+
+    const by_value::ValuePieces& pieces() const { return pieces_; }
+    bool is_shaded() const { return lighting_.on(); }
+    /// weight    factor of the extinction
+    /// gradient  returns that of the field, world
+    template <class Gradient>
+    ValueLight lit(double value, double weight, const WorldRay& ray, double t,
+                   const Gradient& gradient) const {
+        ValueLight light = pieces_(value);
+        light.extinction *= weight;
+        if (!(light.extinction > 0) || !(lighting_.on() || lattice_.any())) return light;
+        const device::ReachedLight reached =
+            lattice_.any()
+                ? lattice_.at(plain(ray.origin + t * ray.direction), plain(ray.towards_eye))
+                : device::ReachedLight{1, 1};
+        const auto [body, shine] =
+            lighting_(lighting_.on() ? gradient() : Vec3d{}, ray.towards_eye, reached);
+        for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
+        return light;
+    }
+    /// Calls visit(segment, light) for parts of a segment of one value, none longer than half a cell of the lattice, as long as it
+    /// returns true.
+    template <class Gradient, class Visit>
+    bool each_piece(Segment whole, double value, double weight, const WorldRay& ray,
+                    const Gradient& gradient, const Visit& visit) const {
+        const double extent = whole.last - whole.first;
+        const double count = std::ceil(std::max(2 * extent * ray.stretch / edge_, 1.0));
+        for (double n = 0; n < count; ++n) {
+            const Segment part{whole.first + n / count * extent,
+                               n + 1 < count ? whole.first + (n + 1) / count * extent : whole.last};
+            if (!visit(part, lit(value, weight, ray, 0.5 * (part.first + part.last), gradient)))
+                return false;
+        }
+        return true;
+    }
+
+  private:
+    by_value::ValuePieces pieces_;
+    by_value::Lighting lighting_;
+    device::LightLattice lattice_;
+    double edge_;
+};
 
 /// Piece of a ray in one of several volumes.
 struct LitPiece {

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <optional>
 
-#include "render/by_value/lighting.h"
-#include "render/by_value/value_pieces.h"
 #include "render/light/illumination.h"
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
@@ -25,75 +23,23 @@ using namespace by_value;
 
 namespace {
 
-/// Ray of a pixel.
-struct WorldRay {
-    Vec3d origin, direction;
-    double stretch;     ///< world units of one t
-    Vec3d towards_eye;  ///< unit length
-
-    WorldRay(Vec3d from, Vec3d along)
-        : origin(from),
-          direction(along),
-          stretch(length(along)),
-          towards_eye((-1 / stretch) * along) {}
-};
-
 /// Light of a voxel: extinction per world unit and colour.
-class VoxelLight {
+class VoxelLight : public FieldLight {
   public:
-    VoxelLight(const ValueTransfer& transfer, const VolumeLook& look,
-               const lights::Illumination& reached)
-        : pieces_(transfer), lighting_(look), lattice_(reached.lattice()), edge_(reached.edge()) {}
+    using FieldLight::FieldLight;
     /// Calls visit(segment, light) for pieces of a voxel's part of a ray, of one light each, as long as it returns true.
     template <class Visit>
     bool operator()(const FieldGrid& grid, const FieldCell& cell, const WorldRay& ray,
                     const Visit& visit) const {
-        const double weight = grid.own() ? 1 : cell.density;
-        return each_part(cell.segment, ray, [&](Segment part) {
-            return visit(part, lit(cell.value, weight, ray, 0.5 * (part.first + part.last),
-                                   [&] { return grid.gradient(cell); }));
-        });
+        return each_piece(
+            cell.segment, cell.value, grid.own() ? 1 : cell.density, ray,
+            [&] { return grid.gradient(cell); }, visit);
     }
     ValueLight operator()(const LinearVolume& grid, const LinearVolume::Sample& sample,
                           const WorldRay& ray, double t) const {
         return lit(sample.value, grid.own() ? 1 : sample.density, ray, t,
                    [&] { return grid.world_gradient(sample); });
     }
-
-  private:
-    template <class Gradient>
-    ValueLight lit(double value, double weight, const WorldRay& ray, double t,
-                   const Gradient& gradient) const {
-        ValueLight light = pieces_(value);
-        light.extinction *= weight;
-        if (!(light.extinction > 0) || !(lighting_.on() || lattice_.any())) return light;
-        const device::ReachedLight reached =
-            lattice_.any()
-                ? lattice_.at(plain(ray.origin + t * ray.direction), plain(ray.towards_eye))
-                : device::ReachedLight{1, 1};
-        const auto [body, shine] =
-            lighting_(lighting_.on() ? gradient() : Vec3d{}, ray.towards_eye, reached);
-        for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
-        return light;
-    }
-
-    /// Parts no longer than half a cell of the lattice.
-    template <class Visit>
-    bool each_part(Segment whole, const WorldRay& ray, const Visit& visit) const {
-        const double extent = whole.last - whole.first;
-        const double count = std::ceil(std::max(2 * extent * ray.stretch / edge_, 1.0));
-        for (double n = 0; n < count; ++n)
-            if (!visit(
-                    Segment{whole.first + n / count * extent,
-                            n + 1 < count ? whole.first + (n + 1) / count * extent : whole.last}))
-                return false;
-        return true;
-    }
-
-    ValuePieces pieces_;
-    Lighting lighting_;
-    device::LightLattice lattice_;
-    double edge_;
 };
 
 /// Appends the pieces of a ray.

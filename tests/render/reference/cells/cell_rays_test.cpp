@@ -105,7 +105,8 @@ TEST(cell_rays, mirrored_cells_count_as_the_others_and_flat_ones_add_nothing) {
     rays.add(from, along, {}, pieces);
     double sum = 0;
     for (const auto& piece : pieces)
-        sum += (piece.segment.last - piece.segment.first) / 2 * (piece.first + piece.last);
+        sum += (piece.segment.last - piece.segment.first) / 2 *
+               (piece.first.density + piece.last.density);
     EXPECT_NEAR(sum * length(along), expected(from, normalized(along)), 1e-6);
     pieces.clear();
     rays.add({-1, 2, 2}, {1, 0, 0}, {}, pieces);
