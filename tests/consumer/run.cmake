@@ -15,3 +15,7 @@ execute_process(COMMAND ${WORK_DIR}/prefix/bin/vog --version COMMAND_ERROR_IS_FA
 if(NOT EXISTS ${WORK_DIR}/cloud.png)
     message(FATAL_ERROR "the consumer made no cloud.png")
 endif()
+execute_process(COMMAND ${WORK_DIR}/build/in_place 2 dye WORKING_DIRECTORY ${WORK_DIR} COMMAND_ERROR_IS_FATAL ANY)
+if(NOT EXISTS ${WORK_DIR}/dye/manifest.json)
+    message(FATAL_ERROR "the solver left no page")
+endif()

@@ -1,4 +1,6 @@
 """The code of tutorial and README runs; the examples convert and render their inputs."""
+import json
+import os
 import re
 import subprocess
 import sys
@@ -8,6 +10,9 @@ import pytest
 
 import vog
 from conftest import SOURCE, same_picture
+
+
+VOG = os.environ.get("VOG_COMMAND")
 
 
 def blocks(file):
@@ -59,6 +64,31 @@ def test_from_csv(tmp_path):
     points = np.random.default_rng(1).random((99, 4))
     np.savetxt(tmp_path / "a.csv", points, delimiter=",", header="x,y,z,energy", comments="")
     run_example("from_csv.py", "a.csv", "--value", "energy", "--budget", 50, cwd=tmp_path)
+
+
+def test_in_place(tmp_path):
+    """A solver's processes each hand over their block: models of one and of two have its mass, and its picture."""
+    found = []
+    for count in (1, 2):
+        command = [sys.executable, SOURCE / "examples" / "in_place.py", "--steps", "2", "--edge", "32", "-o", f"on{count}/"]
+        if count > 1:
+            pytest.importorskip("mpi4py", reason="needs mpi4py (apt install python3-mpi4py)")
+            command = ["mpirun", "--oversubscribe", "-n", str(count), *command]
+        allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env={**os.environ, **allowed})
+        assert done.returncode == 0, done.stderr
+        masses = re.findall(r"step (\d): .* mass ([0-9.]+) of ([0-9.]+)", done.stdout)
+        assert [step for step, *_ in masses] == ["0", "1"], done.stdout
+        assert all(float(made) == pytest.approx(float(given), rel=2e-4) for _, made, given in masses)
+        found.append([given for *_, given in masses])
+        manifest = json.loads((tmp_path / f"on{count}/manifest.json").read_text())
+        assert manifest["steps"] and len(manifest["models"]) == 2
+    assert found[0] == found[1]  # the same solver
+    if VOG:
+        for count in (1, 2):
+            look = ["--size", "128", "--eye", "2,1.5,3", "--look-at", "0.5,0.5,0.4", "--extinction", "8"]
+            subprocess.run([VOG, "render", f"on{count}/", "-o", f"{count}.png", *look], cwd=tmp_path, check=True, capture_output=True)
+        assert vog.compare(*(vog.Image.load(tmp_path / f"{count}.png") for count in (1, 2))).psnr_db > 40
 
 
 def test_from_openvdb(tmp_path):
