@@ -103,7 +103,7 @@ class MassLattice {
             check_interrupt();
             const unstructured::Shape shape = unstructured::shape_of(*source.cells, n);
             unstructured::for_each_part(
-                shape, cell_, [&](const unstructured::Corner& middle, double volume) {
+                shape, 2 * cell_, [&](const unstructured::Corner& middle, double volume) {
                     add(shape.centre + middle.place, std::max(middle.density * volume, 0.0));
                 });
         }
