@@ -94,6 +94,38 @@ std::shared_ptr<Cells> cells_from(const py::object& points, const py::object& co
     return cells;
 }
 
+/// Values as the constructor takes them.
+py::dict given_of(const CellValues& values) {
+    py::dict given;
+    const std::size_t count = values.component.size(), size = values.component.front().size();
+    py::array_t<float> array(count == 1 ? std::vector{size} : std::vector{size, count});
+    for (std::size_t c = 0; c < count; ++c)
+        for (std::size_t n = 0; n < size; ++n)
+            array.mutable_data()[n * count + c] = values.component[c][n];
+    given["value"] = array, given["unit"] = values.unit;
+    given["at"] = values.at_points ? "points" : "cells";
+    return given;
+}
+py::tuple state_of(const Cells& self) {
+    py::dict fields;
+    for (const CellValues& field : self.fields) fields[py::str(field.name)] = given_of(field);
+    const auto array = [](const auto& numbers) {
+        using Number = std::remove_cvref_t<decltype(numbers[0])>;
+        return py::array_t<Number>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+    };
+    const py::array_t<double> points({self.points.size(), std::size_t{3}},
+                                     reinterpret_cast<const double*>(self.points.data()));
+    return py::make_tuple(points, array(self.corner), array(self.type), given_of(self.density),
+                          array(self.end), fields, self.thickness, self.density.name, self.source,
+                          self.units.length, self.units.density);
+}
+std::shared_ptr<Cells> cells_of(const py::tuple& s) {
+    auto cells = cells_from(s[0], s[1], s[2], s[3], s[4], s[5], s[6].cast<double>(),
+                            s[7].cast<std::string>(), s[8].cast<std::string>());
+    cells->units = {s[9].cast<std::string>(), s[10].cast<std::string>()};
+    return cells;
+}
+
 }  // namespace
 
 void bind_cells(py::module_& m) {
@@ -129,6 +161,7 @@ vog.convert makes Gaussians of them, without a grid between. Cells that are inve
             [](Cells& self, const std::pair<std::string, std::string>& units) {
                 self.units = {units.first, units.second};
             })
+        .def(py::pickle(&state_of, &cells_of))
         .def("__len__", &Cells::size)
         .def("__repr__", [](const Cells& self) {
             std::string names = self.density.name;

@@ -1,5 +1,6 @@
 """Cells of any shape: from arrays, from VTK's files, and by the command."""
 import os
+import pickle
 import subprocess
 import sys
 import warnings
@@ -127,6 +128,16 @@ def test_requests_that_cells_cannot_meet():
     ]:  # fmt: skip
         with pytest.raises(vog.Error, match=message):
             vog.render(cells, size=16, **request)
+
+
+def test_pickles_keep_every_number():
+    cells = vog.Cells(CUBE, [0, 1, 3, 4, 0, 1, 2], [10, 5], {"value": [1.0, 2], "at": "cells"}, thickness=0.1, source="a.vtu", name="rho",
+                      fields={"heat": {"value": CUBE[:, 0], "unit": "K"}, "wind": CUBE})  # fmt: skip
+    vog.set_units(cells, "g / cm3", "m")
+    back = pickle.loads(pickle.dumps(cells))
+    assert repr(back) == repr(cells) and vog.units_of(back) == vog.units_of(cells)
+    one, other = vog.convert(cells, budget=2), vog.convert(back, budget=2)
+    assert pickle.dumps(one) == pickle.dumps(other) and one.fields["heat"].unit == "K" and len(one) == 2
 
 
 def test_cells_beside_others_in_layers(twins):
