@@ -1,7 +1,7 @@
 #!/bin/sh
 # quality.sh: the table of docs/moments.md: every volume converted by uniform cells and by budgets, its T at
 # 512x512 in the paper view measured against that of the voxels, and the mean and the worst error of twelve views
-# along axes, diagonals and others, far and near (vog convert --measure-error).
+# along axes, diagonals and others, far and near (vog convert --set measure-error=1).
 #
 # usage: bench/quality.sh VOG DATA_FOLDER [OPTION...]     further options are passed to every --budget
 set -eu
@@ -16,7 +16,7 @@ trap 'rm -rf "$folder"' EXIT
 
 row() {  # volume, options of the grid, options of the conversion
     # shellcheck disable=SC2086  # options are several words
-    "$vog" convert "$data/$1.vdb" $2 -o "$folder/m.ply" --measure-error --no-hierarchy --no-fields --json $3 > "$folder/convert.json"
+    "$vog" convert "$data/$1.vdb" $2 -o "$folder/m.ply" --set measure-error=1 --no-hierarchy --no-fields --json $3 > "$folder/convert.json"
     "$vog" render "$folder/m.ply" -o "$folder/m.png" --size 512 --view paper --depth-out "$folder/m.exr" > /dev/null
     "$vog" compare "$folder/exact.exr" "$folder/m.exr" --json > "$folder/compare.json"
     python3 - "$folder" "$1" "$3" << 'PYTHON'

@@ -130,7 +130,7 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     EXPECT_EQ(all["gaussians"], 500);
     EXPECT_NEAR(all["mass_ratio"].get<double>(), 1, 1e-6);
     const auto few = nlohmann::json::parse(
-        must("convert p.csv -o few.ply --budget 50 --measure-error --json").out);
+        must("convert p.csv -o few.ply --budget 50 --set measure-error=1 --json").out);
     EXPECT_LE(few["gaussians"], 50);
     EXPECT_GT(few["measured_error"], 0);
     EXPECT_EQ(read_ply(dir_ / "few.ply").source, "p.csv count");

@@ -42,7 +42,7 @@ VALUES = {
     "--error": "0.2", "--budget": "60", "--block": "4", "--set mass-threshold": "0.2", "--set strategy": "single",
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
     "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",
-    "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
+    "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--set host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
     "--title": "T", "--set hits-per-slab": "1", "--set precision": "0.2", "--set asymmetry": "0.5", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",
     "--plane": "y", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--set seed": "5",
     "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--set background-value": "0.1", "--set soft-steps": "7", "--lod": "4",
@@ -247,7 +247,7 @@ def pairs_text(command, known={}):
 
 
 def options_of(command):
-    """[["--axis-aligned"], ["--block", "4"], ...] of the help."""
+    """[["--shadows"], ["--block", "4"], ...] of the help."""
     found = {}
     for name, rest in re.findall(pairs.OPTION, pairs_text(command), re.MULTILINE):
         if name in PRESENTATION or name == "--output" or name in found:

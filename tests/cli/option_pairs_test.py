@@ -29,7 +29,7 @@ SECONDS = 60  # of one run on a busy machine; most take some hundredths
 VALUES = {
     "--grid": "density", "--mask": "density", "--method": "paper", "--lod": "3", "--threads": "1", "--error": "0.3",
     "--budget": "200", "--block": "4", "--set soft-steps": "2", "--refine": "0.01", "--set spread": "1.1", "--set background-value": "0.1",
-    "--set mass-threshold": "0.01", "--set strategy": "smart", "--set dense-block": "4", "--set amplitude": "mass", "--set kappa": "0.02",
+    "--set mass-threshold": "0.01", "--set axis-aligned": "1", "--set measure-error": "1", "--set strategy": "smart", "--set dense-block": "4", "--set amplitude": "mass", "--set kappa": "0.02",
     "--set opacity-threshold": "0.001", "--set variance-threshold": "0.02", "--set similarity": "0.2", "--set tree-depth": "2",
     "--set minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
     "--memory": "200M", "--set scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
@@ -66,7 +66,7 @@ SIZES = {"--size", "--block", "--budget", "--error", "--lod", "--method", "--mea
 
 
 # An option in a help: "--block", or a setting, "--set kappa".
-OPTION, TAKES_VALUE = r"^  (?:-\w,)?(--set [a-z-]+|--[a-z][a-z-]*)(.*)$", r"[ =](TEXT|INT|UINT|FLOAT)"
+OPTION, TAKES_VALUE = r"^  (?:-\w,)?(--set [a-z-]+|--[a-z][a-z-]*)(.*)$", r"[ =](TEXT|INT|UINT|FLOAT|BOOLEAN)"
 
 
 def words_of(option):
@@ -75,7 +75,7 @@ def words_of(option):
 
 
 def options_of(command):
-    """Long names of the options of a command, with their values: [["--axis-aligned"], ["--block", "4"], ...]"""
+    """Long names of the options of a command, with their values: [["--shadows"], ["--block", "4"], ...]"""
     text = subprocess.run([VOG, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     options = []
     for name, rest in re.findall(OPTION, text, re.MULTILINE):

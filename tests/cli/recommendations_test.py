@@ -120,7 +120,7 @@ ROWS = [
     # Conversions.
     ("convert c.nrrd -o m3.ply --set joint-steps=3", r"needs (--for)", "+ volume"),
     ("convert c.nrrd -o m3.ply --method paper --set tree-depth=2", r"works with (--set strategy=tree)", "+"),
-    ("convert c.nrrd -o m3.ply --measure-error", r"needs (--block)", "+ 4"),
+    ("convert c.nrrd -o m3.ply --set measure-error=1", r"needs (--block)", "+ 4"),
     ("convert c.nrrd -o m3.ply --set scratch=.", r"needs (--memory)", "+ 1G"),
     ("convert fine.nrrd -o m3.ply --error 0.000001", r"(--error \S+) needs", "+"),
     ("convert same.csv -o m3.ply", r"\((--radius X)\)", "+"),

@@ -191,8 +191,9 @@ class Ends(ServeTest):
         for words in [["--port", "65536"], ["--port", "-1"], ["--port", "x"], ["--set", "allow-origin=example.org"], ["--set", "allow-origin=https://"],
                       ["--set", "allow-origin=https://a/b"], ["--set", "allow-origin=https://a\r\nX: y"], ["--set", "allow-origin=http://a, http://b"]]:
             self.refusal(self.site, *words, code=2)
-        for host in ["no.such.host.invalid", "300.1.1.1", "", "192.0.2.1"]:  # the last: of documents, no machine's
-            self.assertIn("--host", self.refusal(self.site, "--host", host, "--port", "0"))
+        self.assertIn("expected a value behind the =", self.refusal(self.site, "--set", "host=", "--port", "0", code=2))
+        for host in ["no.such.host.invalid", "300.1.1.1", "192.0.2.1"]:  # the last: of documents, no machine's
+            self.assertIn("--set host=", self.refusal(self.site, "--set", f"host={host}", "--port", "0"))
 
     @unittest.skipUnless(os.geteuid() == 0, "needs root, to become a user who may not")
     def test_a_port_of_the_system_is_refused(self):
@@ -205,12 +206,12 @@ class Ends(ServeTest):
             self.skipTest(f"{VOG} is out of that user's reach")
 
     def test_a_host_beyond_loopback_is_warned_of(self):
-        server = self.serve(self.site, "--host", "0.0.0.0", "--port", "0")
+        server = self.serve(self.site, "--set", "host=0.0.0.0", "--port", "0")
         self.assertEqual(server.get("/", Host="a.name.of.this.machine")[0].status, 200)
         code, _, err = server.stop()
         self.assertEqual(code, 0)
-        self.assertRegex(err, r"^vog: note: --host 0\.0\.0\.0: every machine that reaches this one can read .*site\n$")
-        self.assertEqual(self.serve(self.site, "--host", "127.0.0.2", "--port", "0").stop(), (0, "", ""))
+        self.assertRegex(err, r"^vog: note: --set host=0\.0\.0\.0: every machine that reaches this one can read .*site\n$")
+        self.assertEqual(self.serve(self.site, "--set", "host=127.0.0.2", "--port", "0").stop(), (0, "", ""))
 
     def test_requests_are_printed_on_demand(self):
         server = self.serve(self.site, "--port", "0", "--verbose")

@@ -18,7 +18,7 @@ for extension in xyz csv tsv; do
 done
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/hierarchy.ply" --block 16 >/dev/null
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/plain.ply" --block 32 --no-hierarchy >/dev/null
-"$vog" convert "$made/cloud.vdb" -o "$folder/ply/aligned.ply" --block 16 --axis-aligned >/dev/null
+"$vog" convert "$made/cloud.vdb" -o "$folder/ply/aligned.ply" --block 16 --set axis-aligned=1 >/dev/null
 # The first byte says how the rest is read: 0, as a file.
 for options in "" --hierarchy --deflate; do
     "$vog" pack "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null

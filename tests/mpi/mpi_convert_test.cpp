@@ -42,7 +42,7 @@ TEST_P(mpi_convert_ranks, uniform_cuts_are_the_same_bytes) {
     must("sample cloud c.vdb --size 64");
     expect_same_bytes(GetParam(), "c.vdb --set soft-steps=0 --block 2");
     expect_same_bytes(
-        GetParam(), "c.vdb --set soft-steps=0 --block 8 --set mass-threshold=0.02 --axis-aligned");
+        GetParam(), "c.vdb --set soft-steps=0 --block 8 --set mass-threshold=0.02 --set axis-aligned=1");
     expect_same_bytes(GetParam(), "c.vdb --set soft-steps=0 --lod 5");
 }
 
@@ -171,7 +171,7 @@ TEST_F(mpi_convert, budget_is_kept_and_about_as_good) {
 TEST_F(mpi_convert, header_keeps_all_options) {
     must("sample cloud c.vdb --size 64");
     const std::string others =
-        " --set soft-steps=2 --set mass-threshold=0.001 --set spread=1.25 --axis-aligned";
+        " --set soft-steps=2 --set mass-threshold=0.001 --set spread=1.25 --set axis-aligned=1";
     for (const std::string cut : {"--budget 300", "--error 0.3"}) {
         must_mpi(2, "convert c.vdb -o many.ply --no-hierarchy " + cut + others);
         EXPECT_EQ(read_ply(dir_ / "many.ply").options, cut + others + " (in 2 parts)");

@@ -36,7 +36,7 @@ TEST_P(mpi_render, levels_that_hide_each_other_are_the_same) {
 TEST_P(mpi_render, models_are_the_same) {
     must("sample explosion e.vdb --size 64");
     must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
-    must("convert e.vdb -o f.ply --block 8 --axis-aligned --no-hierarchy");
+    must("convert e.vdb -o f.ply --block 8 --set axis-aligned=1 --no-hierarchy");
     EXPECT_LE(differs("e.ply f.ply --eye 10,20,90 --look-at 24,24,24"), kSameT);
     must("page e.ply f.ply -o site/ --site");
     EXPECT_LE(differs("site/f --pixel-error 0 --eye 10,20,90 --look-at 24,24,24"), kSameT);

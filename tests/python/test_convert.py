@@ -14,7 +14,7 @@ import vog
         ({"lod": 3}, ["--lod", 3]),
         (
             {"block": 4, "soft_steps": 2, "spread": 1.1, "mass_threshold": 0.01, "axis_aligned": True, "measure": True},
-            ["--block", 4, "--set", "soft-steps=2", "--set", "spread=1.1", "--set", "mass-threshold=0.01", "--axis-aligned", "--measure-error"],
+            ["--block", 4, "--set", "soft-steps=2", "--set", "spread=1.1", "--set", "mass-threshold=0.01", "--set", "axis-aligned=1", "--set", "measure-error=1"],
         ),
         ({"method": "paper", "lod": 4}, ["--method", "paper", "--lod", 4]),
         (

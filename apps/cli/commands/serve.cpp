@@ -70,7 +70,7 @@ void serve(ServeArguments arguments, bool port_given) {
         if (!port_given && port != server.port)
             note(fmt::format("port {} is in use, this is {}", server.port, port));
         if (!loopback)
-            note(fmt::format("--host {}: every machine that reaches this one can read {}",
+            note(fmt::format("--set host={}: every machine that reaches this one can read {}",
                              server.host, arguments.input));
         print_line(url);
         finish_output();
@@ -101,7 +101,7 @@ void add_serve(CLI::App& app) {
             ->check(CLI::Range(0, 65535));
     command
         ->add_option(
-            "--host", arguments->server.host,
+            setting("host"), arguments->server.host,
             "Address or name to listen at; other machines can read the site where it is not "
             "this machine's loopback: 0.0.0.0, all addresses")
         ->capture_default_str();

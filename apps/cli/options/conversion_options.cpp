@@ -163,10 +163,12 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         "Drop the cells of least mass, up to this fraction of the total mass")
         ->check(CLI::Range(0.0, 0.999))
         ->capture_default_str();
-    command.add_flag("--axis-aligned", moments.axis_aligned,
-                     "Gaussians without rotation: 28 bytes each in the file in place of 44");
-    command.add_flag("--measure-error", moments.measure,
-                     "Measure the error also with --budget, --block and --lod");
+    add(setting("axis-aligned"), moments.axis_aligned,
+        "1: Gaussians without rotation, of 28 bytes each in the file in place of 44")
+        ->check(CLI::IsMember({"0", "1"}));
+    add(setting("measure-error"), moments.measure,
+        "1: measure the error also with --budget, --block and --lod")
+        ->check(CLI::IsMember({"0", "1"}));
 }
 
 }  // namespace vog::cli

@@ -186,7 +186,7 @@ int bind(httplib::Server& server, const ServerOptions& options) {
         if (port > 0) return port;
         if (any || !options.next_port || errno != EADDRINUSE) break;
     }
-    const std::string where = fmt::format("--host {} --port {}", options.host, options.port);
+    const std::string where = fmt::format("--set host={} --port {}", options.host, options.port);
     if (errno == EADDRINUSE)
         throw Error(fmt::format("{}: the port is in use, expected a free one (0: any)", where));
     if (errno == EACCES)

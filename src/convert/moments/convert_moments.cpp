@@ -62,7 +62,7 @@ std::string option_text(const MomentJob& job) {
     add(fmt::format("--set mass-threshold={}", o.mass_threshold));
     if (o.spread != 1) text += fmt::format(" --set spread={}", o.spread);
     if (o.refine_seconds > 0) text += fmt::format(" --refine {}", o.refine_seconds);
-    if (o.axis_aligned) text += " --axis-aligned";
+    if (o.axis_aligned) text += " --set axis-aligned=1";
     if (job.overlaps())
         text += job.soft_steps()
                     ? fmt::format(" (overlapping cells, {} soft steps)", job.soft_steps())

@@ -314,7 +314,7 @@ std::string option_text(const PointJob& job) {
     if (o.error > 0) text += fmt::format(" --error {}", o.error);
     if (job.cuts() && o.mass_threshold > 0)
         text += fmt::format(" --set mass-threshold={}", o.mass_threshold);
-    if (job.cuts() && o.axis_aligned) text += " --axis-aligned";
+    if (job.cuts() && o.axis_aligned) text += " --set axis-aligned=1";
     if (job.report.measured_error >= 0)
         text += fmt::format(" (measured error {:.4g})", job.report.measured_error);
     return text;

@@ -25,6 +25,8 @@ std::vector<std::string> with_settings(const std::vector<std::string>& words) {
         if (given.find('=') == given.npos || given.starts_with('='))
             throw UsageError("--set" + (given.empty() ? "" : " " + given) +
                              ": expected NAME=VALUE; --help-all lists the names");
+        if (given.find('=') + 1 == given.size())
+            throw UsageError("--set " + given + ": expected a value behind the =");
         all.push_back(kParsed + given);
     }
     return all;
