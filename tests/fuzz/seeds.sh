@@ -6,7 +6,7 @@ set -euo pipefail
 vog=$1 folder=$2
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-mkdir -p "$folder"/{scan,points_text,ply,vogz,site,splats,image,camera,transfer_function,results,record}
+mkdir -p "$folder"/{scan,points_text,ply,vogz,site,splats,image,camera,transfer_function,results,record,surface}
 
 "$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
 # The first byte of a text stands for its extension (points_text_fuzz.cpp).
@@ -32,6 +32,12 @@ chunk=$(ls "$made"/site/chunks/*.vogz)
 length=$(stat -c %s "$chunk") count=$(sed 's/.*"gaussians":\([0-9]*\),"error":0.0,"box".*/\1/' "$made/site/manifest.json")
 { printf '\x02'; printf "\\x$(printf %02x $((length % 256)))\\x$(printf %02x $((length / 256)))\\x$(printf %02x $((2 * (count - 1))))"
     cat "$chunk" "${chunk%.vogz}.0"; } >"$folder/site/chunk"
+format=0
+for extension in stl obj ply; do
+    "$vog" export "$made/cloud.vdb" --iso 0.6 -o "$made/surface.$extension" >/dev/null
+    { printf "\\x0$format"; head -c 4000 "$made/surface.$extension"; } >"$folder/surface/$extension"
+    format=$((format + 1))
+done
 for extension in spz glb usda; do
     "$vog" export "$folder/ply/plain.ply" -o "$made/model.$extension" >/dev/null
 done
