@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks the rules of the house that no compiler checks: check_house.py [--root DIR] [CHECK ...]
 
-includes  a file includes from its own floor or below; the library takes nothing from apps/
+includes  a file includes from its own floor or below; the library takes nothing from apps/; rooms of apps/cli do not include each other
+          in circles
 rooms     nothing lies loose in src/; no folder holds more than 16 sources
 names     one name, one meaning: no name is defined in two files of one namespace
 prose     files open with their name and purpose; comments are whole and start with their subject
@@ -86,7 +87,26 @@ def check_includes(root):
     for path in files(root, ["src"], {".txt"}):
         problems += [f"{path}:{number}: takes {line.strip()!r}, expected no source from apps/"
                      for number, line in lines(root, path) if re.search(r"\bapps/", line.split("#")[0])]
+    problems += circles(root)
     return problems, f"{count} includes"
+
+
+def circles(root):
+    """Rooms of the command that include each other in circles, by the includes that close one."""
+    base = pathlib.Path("apps/cli")
+    into = collections.defaultdict(dict)  # room -> room: an include
+    for path in files(root, [str(base)], CPP):
+        for number, line in lines(root, path):
+            included = re.match(r'#include "([^"]+)"', line)
+            if included and (root / base / included[1]).is_file():
+                room = (base / included[1]).parent
+                if room != path.parent:
+                    into[path.parent].setdefault(room, f'{path}:{number}: includes "{included[1]}"')
+
+    def reaches(start, end, seen):
+        return start == end or any(reaches(n, end, seen | {start}) for n in into[start] if n not in seen)
+    return [f"{text}, expected no circle of rooms" for room in sorted(into) for other, text in sorted(into[room].items())
+            if reaches(other, room, set())]
 
 
 def check_rooms(root):

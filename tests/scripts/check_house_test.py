@@ -130,6 +130,13 @@ class CheckHouse(unittest.TestCase):
         number = self.add("src/io/png.cpp", '#include "../../apps/cli/commands.h"')
         self.expect_only(f'src/io/png.cpp:{number}: includes "../../apps/cli/commands.h"', "below include/ or src/")
 
+    def test_rooms_of_the_command_in_a_circle_fail(self):
+        for room, other in (("files", "help"), ("help", "options"), ("options", "files")):
+            self.add(f"apps/cli/{room}/{room}.h", f'#include "{other}/{other}.h"')
+        code, problems, _ = self.check()
+        self.assertEqual((code, len(problems)), (1, 3), problems)
+        self.assertIn('apps/cli/files/files.h:2: includes "help/help.h", expected no circle of rooms', problems)
+
     def test_a_source_from_apps_fails(self):
         number = self.add("src/CMakeLists.txt", "target_sources(vog PRIVATE ../apps/cli/terminal.cpp)")
         self.expect_only(f"src/CMakeLists.txt:{number}: takes", "no source from apps/")

@@ -10,13 +10,13 @@
 #include <optional>
 
 #include "commands/commands.h"
+#include "conversion/conversion_options.h"
 #include "conversion/convert_run.h"
 #include "conversion/field_conversion.h"
 #include "conversion/label_parts.h"
 #include "files/outputs.h"
 #include "files/sequence.h"
 #include "models/model_inputs.h"
-#include "options/conversion_options.h"
 #include "options/field_options.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"

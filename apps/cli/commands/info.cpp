@@ -11,7 +11,7 @@
 
 #include "commands/commands.h"
 #include "files/inputs.h"
-#include "help/next_steps.h"
+#include "files/next_steps.h"
 #include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/model_io.h"

@@ -6,8 +6,8 @@
 #include <map>
 
 #include "commands/commands.h"
+#include "files/next_steps.h"
 #include "files/sequence.h"
-#include "help/next_steps.h"
 #include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/points.h"

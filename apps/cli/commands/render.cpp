@@ -11,13 +11,13 @@
 #include <set>
 
 #include "commands/commands.h"
+#include "files/film.h"
 #include "files/outputs.h"
 #include "files/sequence.h"
-#include "films/film.h"
-#include "films/views.h"
 #include "options/option_effects.h"
 #include "pictures/render_run.h"
 #include "pictures/request_file.h"
+#include "pictures/views.h"
 #include "terminal/terminal.h"
 #include "vog/error.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "commands/commands.h"
-#include "films/film.h"
+#include "files/film.h"
 #include "options/parser/settings.h"
 #include "serve/site_folder.h"
 #include "serve/site_server.h"

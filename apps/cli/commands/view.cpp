@@ -6,10 +6,10 @@
 
 #include "commands/commands.h"
 #include "conversion/volume_fields.h"
+#include "files/film.h"
 #include "files/inputs.h"
 #include "files/outputs.h"
 #include "files/sequence.h"
-#include "films/film.h"
 #include "models/page_quantity.h"
 #include "options/camera_options.h"
 #include "options/option_effects.h"

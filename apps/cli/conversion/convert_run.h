@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "files/inputs.h"
+#include "options/input_options.h"
 #include "options/memory_options.h"
 #include "terminal/terminal.h"
 #include "vog/convert_fields.h"

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "help/next_steps.h"
+#include "files/next_steps.h"
 #include "terminal/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "options/input_options.h"
+#include "files/input_choices.h"
 #include "terminal/usage_error.h"
 #include "vog/camera.h"
 #include "vog/convert_points.h"

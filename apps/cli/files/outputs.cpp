@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "files/inputs.h"
+#include "files/next_steps.h"
 #include "files/sequence.h"
-#include "help/next_steps.h"
 #include "vog/error.h"
 
 namespace vog::cli {

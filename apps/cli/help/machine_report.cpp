@@ -16,7 +16,7 @@
 #include <sstream>
 #include <thread>
 
-#include "films/film.h"
+#include "files/film.h"
 #include "help/version.h"
 #include "vog/error.h"
 #include "vog/picture.h"

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "help/next_steps.h"
+#include "files/next_steps.h"
 
 namespace vog::cli {
 

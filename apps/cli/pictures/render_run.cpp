@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "files/outputs.h"
-#include "films/views.h"
 #include "help/version.h"
 #include "pictures/request_file.h"
+#include "pictures/views.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 

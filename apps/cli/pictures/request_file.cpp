@@ -9,6 +9,8 @@
 #include <string_view>
 
 #include "files/sequence.h"
+#include "options/input_options.h"
+#include "pictures/views.h"
 #include "vog/error.h"
 #include "vog/picture_record.h"
 #include "vog/scan_io.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "commands/mpi_commands.h"
+#include "conversion/conversion_options.h"
 #include "conversion/volume_conversion.h"
 #include "files/inputs.h"
 #include "files/outputs.h"
@@ -11,7 +12,6 @@
 #include "inputs_part.h"
 #include "models/page_options.h"
 #include "models/site_run.h"
-#include "options/conversion_options.h"
 #include "options/field_options.h"
 #include "options/memory_options.h"
 #include "options/parser/settings.h"

@@ -1,5 +1,5 @@
 // next_steps.cpp: command lines that fit grids, particles and models.
-#include "help/next_steps.h"
+#include "files/next_steps.h"
 
 #include <fmt/format.h>
 

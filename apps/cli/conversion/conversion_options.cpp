@@ -1,5 +1,5 @@
 // conversion_options.cpp: help and checks of both methods' options.
-#include "options/conversion_options.h"
+#include "conversion/conversion_options.h"
 
 #include <fmt/core.h>
 

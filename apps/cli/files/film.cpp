@@ -1,6 +1,6 @@
 // film.cpp: ffmpeg as a process of its own, which reads raw pictures from a socket. No shell has a part in it, and
 // names of files are arguments of their own.
-#include "films/film.h"
+#include "files/film.h"
 
 #include <fcntl.h>
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 // views.cpp: cameras of a turn, scales that its pictures share, and names of files.
-#include "films/views.h"
+#include "pictures/views.h"
 
 #include <fmt/format.h>
 
