@@ -44,7 +44,8 @@ FieldChoice field_of(const PictureRequest& request, const Scene& scene, const Fi
         } catch (const Error& error) {
             const std::string text = error.what();
             // What a model's message goes on with: conversions that would carry the field.
-            throw about(scene, scene.has_cells() ? text.substr(0, text.find("; vog convert")) : text);
+            throw about(scene,
+                        scene.has_cells() ? text.substr(0, text.find("; vog convert")) : text);
         }
         if (is_by_value(request.show) && choice.part != FieldPart::value)
             throw about(scene, fmt::format("'{}' is a vector field, show '{}' is of scalar fields",
