@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <optional>
 #include <vector>
 
 #include "core/paging.h"
@@ -115,16 +114,19 @@ class MassLattice {
     std::vector<Vec3d> hull() {
         to_light();
         std::vector<Vec3d> points;
-        const std::vector<Vec3d> candidates = ends_of_rows(most_of_the_light());
-        if (candidates.empty()) return {};
+        const std::vector<Row> rows = rows_between(most_of_the_light());
+        if (rows.empty()) return {};
         Box box;
-        for (const Vec3d& at : candidates) box.include(at);
+        for (const Row& row : rows)
+            for (const double side : {-1.0, 1.0}) box.include(corner(row, {side, side, side}));
         const double slack = kHullAccuracy * box.radius();
         for (const int fineness : {1, 3})
             for (const Vec3d& direction : directions(fineness))
                 for (const Vec3d& d : {direction, -direction}) {
                     const auto along = [&](Vec3d a) { return dot(a, d); };
-                    const Vec3d farthest = std::ranges::max(candidates, {}, along);
+                    const Row& last = std::ranges::max(
+                        rows, {}, [&](const Row& row) { return along(corner(row, d)); });
+                    const Vec3d farthest = corner(last, d);
                     const bool held = std::ranges::any_of(
                         points, [&](Vec3d p) { return along(p) >= along(farthest) - slack; });
                     if (!held) points.push_back(rounded(farthest, box.radius()));
@@ -138,14 +140,24 @@ class MassLattice {
         Vec3d direction;
         std::size_t low, high;
         static std::size_t bin(Vec3i cell, Vec3d direction) {
-            return static_cast<std::size_t>(
-                std::lround(2 * dot(vec_cast<double>(cell), direction)) + 8 * kCells);
+            return static_cast<std::size_t>(2 * dot(vec_cast<double>(cell), direction) +
+                                            8 * kCells + 0.5);
         }
         bool holds(Vec3i cell) const {
             const std::size_t at = bin(cell, direction);
             return low <= at && at <= high;
         }
     };
+
+    /// Cells of a row along z.
+    struct Row {
+        int x, y, low, high;
+    };
+    /// The corner of a row that is farthest along a direction.
+    Vec3d corner(const Row& row, Vec3d along) const {
+        return lower_ + cell_ * Vec3d(row.x + (along.x > 0), row.y + (along.y > 0),
+                                      along.z > 0 ? row.high + 1 : row.low);
+    }
 
     std::size_t at(Vec3i cell) const {
         return (static_cast<std::size_t>(cell.x) * static_cast<std::size_t>(count_.y) +
@@ -222,43 +234,39 @@ class MassLattice {
 
     /// The slabs along 13 axes between whose ends all but a share of the light lies.
     std::vector<Slab> most_of_the_light() const {
+        const std::vector<Vec3d> axes = directions(1);
+        std::vector<std::array<double, 16 * kCells>> light(axes.size());
+        double all = 0;
+        each_cell([&](Vec3i cell, double one) {
+            for (std::size_t n = 0; n < axes.size(); ++n) light[n][Slab::bin(cell, axes[n])] += one;
+            all += one;
+        });
+        if (all == 0) return {};
         std::vector<Slab> slabs;
-        for (const Vec3d& direction : directions(1)) {
-            std::vector<double> light(16 * kCells);
-            double all = 0;
-            each_cell([&](Vec3i cell, double one) {
-                light[Slab::bin(cell, direction)] += one;
-                all += one;
-            });
-            if (all == 0) return {};
-            std::size_t low = 0, high = light.size() - 1;
-            for (double sum = light[low]; sum <= kLeftOut * all; sum += light[low]) ++low;
-            for (double sum = light[high]; sum <= kLeftOut * all; sum += light[high]) --high;
-            slabs.push_back({direction, low, high});
+        for (std::size_t n = 0; n < axes.size(); ++n) {
+            std::size_t low = 0, high = light[n].size() - 1;
+            for (double sum = light[n][low]; sum <= kLeftOut * all; sum += light[n][low]) ++low;
+            for (double sum = light[n][high]; sum <= kLeftOut * all; sum += light[n][high]) --high;
+            slabs.push_back({axes[n], low, high});
         }
         return slabs;
     }
 
-    /// Corners of the ends of each row along z, between the slabs' ends: all that a hull can have.
-    std::vector<Vec3d> ends_of_rows(const std::vector<Slab>& slabs) const {
-        std::vector<Vec3d> points;
-        const auto add_end = [&](Vec3i cell, int upper) {
-            for (const Vec3i& corner :
-                 {Vec3i{0, 0, upper}, {1, 0, upper}, {0, 1, upper}, {1, 1, upper}})
-                points.push_back(lower_ + cell_ * vec_cast<double>(cell + corner));
-        };
-        std::optional<Vec3i> last;
-        each_cell([&](Vec3i cell, double) {
-            if (!std::ranges::all_of(slabs, [&](const Slab& one) { return one.holds(cell); }))
-                return;
-            if (!last || last->x != cell.x || last->y != cell.y) {
-                if (last) add_end(*last, 1);
-                add_end(cell, 0);
+    /// Each row along z between the slabs' ends, whose corners are all that a hull can have.
+    std::vector<Row> rows_between(const std::vector<Slab>& slabs) const {
+        std::vector<Row> rows;
+        for (int x = 0; x < count_.x && !slabs.empty(); ++x)
+            for (int y = 0; y < count_.y; ++y) {
+                const auto dark = [&](int z) {
+                    const auto holds = [&](const Slab& one) { return one.holds({x, y, z}); };
+                    return !(mass_[at({x, y, z})] > 0) || !std::ranges::all_of(slabs, holds);
+                };
+                int low = 0, high = count_.z - 1;
+                while (low <= high && dark(low)) ++low;
+                while (low < high && dark(high)) --high;
+                if (low <= high) rows.push_back({x, y, low, high});
             }
-            last = cell;
-        });
-        if (last) add_end(*last, 1);
-        return points;
+        return rows;
     }
 
     Vec3d lower_;
