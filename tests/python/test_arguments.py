@@ -107,6 +107,7 @@ def usual(name, parameter, owner):
         short = name.rsplit(".", 1)[-1]
         return FILES.get(owner, "a.vdb") if short == "load" else SAVED.get(owner or name, "saved.vdb") if short != "grid_names" else "a.vdb"
     if name in ("compare", "compare_shaded", "difference_map"): return {"tf": "viridis"}.get(parameter, picture)
+    if owner == "Camera" and parameter == "data": return model  # keeps where its mass is: a volume looks for it in each call
     if name == "evaluate" and parameter == "data": return None  # a whole evaluation takes minutes
     if name == "Image.from_numpy": return np.zeros((4, 4, 3))
     if name == "TransferFunction.from_matplotlib": return "viridis"

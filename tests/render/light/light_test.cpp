@@ -230,6 +230,9 @@ TEST(light, opaque_matter_beside_clear_matter_lets_half_of_it_pass) {
     EXPECT_NEAR(depth, std::log(2), 0.01);
 }
 
+/// Pixels along an edge of the pictures that are compared from renderer to renderer.
+constexpr int kEdge = 24;
+
 TEST(light, every_renderer_of_models_has_the_same_light) {
     const Gaussians model = colored_model();
     const ScalarField& field = model.fields.scalar.front();
@@ -245,15 +248,15 @@ TEST(light, every_renderer_of_models_has_the_same_light) {
             SlabOptions options;
             options.slabs = 256, options.look = look;
             const VolumeImage splat =
-                render_volume_splat(model, field.name, transfer, camera, 48, 48, options);
-            const VolumeImage trace =
-                render_volume_trace(model, field.name, transfer, camera, 48, 48, {}, {}, look);
+                render_volume_splat(model, field.name, transfer, camera, kEdge, kEdge, options);
+            const VolumeImage trace = render_volume_trace(model, field.name, transfer, camera,
+                                                          kEdge, kEdge, {}, {}, look);
             EXPECT_GT(psnr(splat, trace), 45);
             for (const EmulatedGpu& gpu : emulated_gpus()) {
                 gpu.prepare();
                 const VolumeImage picture =
                     GpuPictures(gpu.renderer, model)
-                        .volume(field.name, transfer, camera, 48, 48, 256, look);
+                        .volume(field.name, transfer, camera, kEdge, kEdge, 256, look);
                 EXPECT_GT(psnr(splat, picture), 70) << gpu.name;
             }
             camera.look_at = camera.look_at - model.origin, camera.eye = camera.eye - model.origin;
@@ -274,16 +277,16 @@ TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
     Camera camera = from({2, 1.5, 3});
     camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
     const VolumeImage splat =
-        render_volume_splat(model, field.name, opaque, camera, 48, 48, options);
+        render_volume_splat(model, field.name, opaque, camera, kEdge, kEdge, options);
     for (const EmulatedGpu& gpu : emulated_gpus()) {
         gpu.prepare();
         const VolumeImage picture =
             GpuPictures(gpu.renderer, model)
-                .volume(field.name, opaque, camera, 48, 48, options.slabs, options.look);
+                .volume(field.name, opaque, camera, kEdge, kEdge, options.slabs, options.look);
         EXPECT_GT(psnr(splat, picture), 55) << gpu.name;
     }
     const VolumeImage trace =
-        render_volume_trace(model, field.name, opaque, camera, 48, 48, {}, {}, options.look);
+        render_volume_trace(model, field.name, opaque, camera, kEdge, kEdge, {}, {}, options.look);
     EXPECT_GT(psnr(splat, trace), 25);
 }
 
