@@ -2,7 +2,9 @@
 // between its corners.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -68,40 +70,66 @@ void for_each_tetrahedron(const Shape& shape, const Take& take) {
             take(Corners{&corner.back(), around[k], around[(k + 1) % 4], &middle});
     }
 }
-/// Calls visit(middle, volume) for parts of a tetrahedron, halved across their longest edges until none is longer than `edge`.
-/// volume  of either sign, as the tetrahedron's
+/// Calls visit(corner, volume) for points of a tetrahedron: those of a cubic lattice of the world, or its middle where no edge is longer than
+/// the lattice's spacing.
+/// centre  of the cell, world units
 template <class Visit>
-void for_each_part(const std::array<Corner, 4>& corner, double edge, const Visit& visit) {
-    std::size_t a = 0, b = 1;
+void for_each_point(const std::array<const Corner*, 4>& corner, Vec3d centre, double spacing,
+                    const Visit& visit) {
+    const Vec3d base = corner[0]->place;
+    Box box;
     double longest = 0;
-    for (std::size_t j = 0; j < 4; ++j)
-        for (std::size_t k = j + 1; k < 4; ++k)
-            if (const double one = length(corner[k].place - corner[j].place); one > longest)
-                longest = one, a = j, b = k;
-    if (longest <= edge) {
-        const Vec3d base = corner[0].place;
-        return visit(
-            mean_of(std::array{&corner[0], &corner[1], &corner[2], &corner[3]}),
-            dot(corner[1].place - base, cross(corner[2].place - base, corner[3].place - base)) / 6);
+    for (const Corner* one : corner) {
+        box.include(one->place);
+        for (const Corner* other : corner)
+            longest = std::max(longest, length(one->place - other->place));
     }
-    for (const std::size_t end : {a, b}) {
-        std::array<Corner, 4> half = corner;
-        half[end] = mean_of(std::array{&corner[a], &corner[b]});
-        for_each_part(half, edge, visit);
-    }
+    const Vec3d edge[3] = {corner[1]->place - base, corner[2]->place - base,
+                           corner[3]->place - base};
+    const double six_volumes = std::abs(dot(edge[0], cross(edge[1], edge[2])));
+    if (longest <= spacing) return visit(mean_of(corner), six_volumes / 6);
+    if (six_volumes == 0) return;
+    // Not in the middle: planes of meshes that are cubes have none of these points.
+    constexpr double kPlace[3] = {0.4137, 0.5291, 0.4673};
+    Vec3d shift;
+    for (int axis = 0; axis < 3; ++axis)
+        shift[axis] = spacing * kPlace[axis] - std::fmod(centre[axis], spacing);
+    const auto first = [&](double at, int axis) { return std::ceil((at - shift[axis]) / spacing); };
+    for (double x = first(box.lower.x, 0); spacing * x + shift.x < box.upper.x; ++x)
+        for (double y = first(box.lower.y, 1); spacing * y + shift.y < box.upper.y; ++y) {
+            // Barycentric coordinates are linear along z.
+            const Vec3d start = Vec3d{spacing * x + shift.x, spacing * y + shift.y, 0} - base;
+            double at[4] = {1}, slope[4] = {0}, low = box.lower.z, high = box.upper.z;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3d normal = cross(edge[(k + 1) % 3], edge[(k + 2) % 3]);
+                const double scale = 1 / dot(edge[k], normal);
+                at[k + 1] = scale * dot(normal, start), slope[k + 1] = scale * normal.z;
+                at[0] -= at[k + 1], slope[0] -= slope[k + 1];
+            }
+            for (int k = 0; k < 4; ++k) {
+                const double crossing = -at[k] / slope[k];
+                if (slope[k] > 0) low = std::max(low, crossing);
+                if (slope[k] < 0) high = std::min(high, crossing);
+                if (slope[k] == 0 && at[k] < 0) high = low;
+            }
+            for (double n = first(low, 2); spacing * n + shift.z < high; ++n) {
+                const double z = spacing * n + shift.z;
+                Corner point{{start.x + base.x, start.y + base.y, z}};
+                for (std::size_t k = 0; k < 4; ++k) {
+                    const double share = at[k] + z * slope[k];
+                    point.density += share * corner[k]->density;
+                    for (std::size_t c = 0; c < kMostValues; ++c)
+                        point.value[c] += share * corner[k]->value[c];
+                }
+                visit(point, spacing * spacing * spacing);
+            }
+        }
 }
-/// The same of a whole cell; volumes are above 0 but in the inverted parts of a tangled one.
+/// The same of a whole cell.
 template <class Visit>
-void for_each_part(const Shape& shape, double edge, const Visit& visit) {
-    double volume = 0;
-    for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
-        volume += dot(c[1]->place - c[0]->place,
-                      cross(c[2]->place - c[0]->place, c[3]->place - c[0]->place));
-    });
-    for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
-        for_each_part(
-            std::array{*c[0], *c[1], *c[2], *c[3]}, edge,
-            [&](const Corner& middle, double part) { visit(middle, volume < 0 ? -part : part); });
+void for_each_point(const Shape& shape, double spacing, const Visit& visit) {
+    for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& corner) {
+        for_each_point(corner, shape.centre, spacing, visit);
     });
 }
 /// Integrals over the cell, about its centre; volume below 0 for a mirrored cell.

@@ -101,9 +101,9 @@ class MassLattice {
         for (const std::uint32_t n : source.kept) {
             check_interrupt();
             const unstructured::Shape shape = unstructured::shape_of(*source.cells, n);
-            unstructured::for_each_part(
-                shape, 2 * cell_, [&](const unstructured::Corner& middle, double volume) {
-                    add(shape.centre + middle.place, std::max(middle.density * volume, 0.0));
+            unstructured::for_each_point(
+                shape, cell_, [&](const unstructured::Corner& point, double volume) {
+                    add(shape.centre + point.place, std::max(point.density, 0.0) * volume);
                 });
         }
     }

@@ -267,11 +267,11 @@ void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,
     add_in_parts(kept.size(), lattice, [&](std::size_t i, ExtinctionLattice& to) {
         unstructured::Shape shape = unstructured::shape_of(cells, kept[i]);
         const double mean = unstructured::set_values(shape, cells, kept[i], values)[0];
-        unstructured::for_each_part(
-            shape, lattice.edge, [&](const unstructured::Corner& middle, double volume) {
-                const double extinction = pieces(mean + middle.value[0]).extinction *
-                                          (own ? 1 : std::max(middle.density, 0.0));
-                const Vec3d at = 1 / lattice.edge * (shape.centre + middle.place - lattice.first);
+        unstructured::for_each_point(
+            shape, 0.5 * lattice.edge, [&](const unstructured::Corner& point, double volume) {
+                const double extinction = pieces(mean + point.value[0]).extinction *
+                                          (own ? 1 : std::max(point.density, 0.0));
+                const Vec3d at = 1 / lattice.edge * (shape.centre + point.place - lattice.first);
                 Vec3i cell;
                 for (int axis = 0; axis < 3; ++axis)
                     cell[axis] = std::clamp(static_cast<int>(std::lround(at[axis])), 0,
@@ -279,8 +279,6 @@ void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,
                 to.sum[to.at(cell.x, cell.y, cell.z)] += per_cell * volume * extinction;
             });
     });
-    // Tangled cells have parts that count less than nothing.
-    for (double& sum : lattice.sum) sum = std::max(sum, 0.0);
 }
 
 }  // namespace vog::lights
