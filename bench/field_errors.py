@@ -8,13 +8,9 @@ smooth kernel follows; the second figure of a map is the model's against cells i
 third is what these two readings of the cells have between themselves.
 """
 import argparse
-import pathlib
-import sys
 
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "examples"))
-import from_yt
 import vog
 import yt
 
@@ -42,8 +38,8 @@ def main():
 
     yt.set_log_level("error")
     ds = yt.load(arguments.dataset)
-    levels = vog.Levels(list(from_yt.levels_of(ds, ("gas", "density"))))
-    fields = from_yt.fields_of(ds, arguments.field or ["temperature"], velocity=True)
+    names = [*(arguments.field or ["temperature"]), "velocity"]
+    levels, fields = vog.from_yt(ds, ("gas", "density"), fields=names)
     model = vog.convert(levels, fields=fields, **({"budget": arguments.budget} if arguments.budget else {}))
     print(model.summary)
     print("L2, %: model - cells, model - interpolated cells, interpolated cells - cells")

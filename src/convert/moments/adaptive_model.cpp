@@ -44,11 +44,16 @@ std::size_t finest_count(const MomentJob& job, const FieldTrees& all) {
 
 /// Whether the finest cut has the voxels: soft steps would blur them, an error of 0.149 against 0.131
 /// for random values in 64 x 64 x 8 voxels.
-bool finest_has_voxels(const MomentJob& job) { return !job.levels && job.options.soft_steps < 0; }
+bool finest_has_voxels(const MomentJob& job) {
+    return job.options.soft_steps < 0 && job.samples() <= job.most_cells;
+}
 
 /// One cell for each voxel.
 FieldCells voxel_cells(const MomentJob& job, const FieldTrees& all) {
-    return {overlapping_cells(job.volume(), all.fields.front(), 1, job.window_period())};
+    FieldCells cells;
+    for (const LatticeField& field : all.fields)
+        cells.push_back(overlapping_cells(field, 1, job.options.periodic));
+    return cells;
 }
 
 /// Soft cells of a budget.

@@ -123,9 +123,8 @@ Gaussians uniform_model(MomentJob& job) {
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
     for (const LatticeField& field : fields)
-        cells.push_back(job.overlaps()
-                            ? overlapping_cells(job.volume(), field, block, job.window_period())
-                            : uniform_cells(field, block));
+        cells.push_back(job.overlaps() ? overlapping_cells(field, block, job.options.periodic)
+                                       : uniform_cells(field, block));
     job.clock.end_stage("cells", 0.3);
     FieldEmSolver em(fields, job.options.refine_seconds > 0, job.options.periodic);
     em.run(cells, job.soft_steps());

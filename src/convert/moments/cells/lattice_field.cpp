@@ -262,7 +262,7 @@ Leaf& StableLeaves::add() {
 }
 
 LatticeField lattice_field(const Volume& volume) {
-    return {volume_bricks(volume, morton_nodes(volume)), {}, volume.world_from_index};
+    return {volume_bricks(volume, morton_nodes(volume)), {}, volume.world_from_index, {&volume}};
 }
 
 std::vector<LatticeField> lattice_fields(std::span<const Volume> parts) {
@@ -275,8 +275,10 @@ std::vector<LatticeField> lattice_fields(std::span<const Volume> parts) {
         field.world_from_index.translation = lattice.coarsest({shift, shift, shift});
         for (Vec3d& row : field.world_from_index.linear.row) row = edge * row;
         BrickMap map(field);
-        for (const Member& member : lattice.members)
+        for (const Member& member : lattice.members) {
             add_member(member, lattice.finest_log2 - member.division.log2, field, map);
+            field.volumes.push_back(member.volume);
+        }
         map.divide();
         field.bricks = map.bricks();
     }

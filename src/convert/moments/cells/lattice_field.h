@@ -24,6 +24,7 @@ struct LatticeField {
     BigVector<Brick> bricks;  ///< with mass, in Morton order, disjoint
     StableLeaves leaves;      ///< resampled ones, which bricks refer to
     Affine world_from_index;
+    std::vector<const Volume*> volumes;  ///< coarsest first
 
     double voxel_volume() const { return std::abs(determinant(world_from_index.linear)); }
 };

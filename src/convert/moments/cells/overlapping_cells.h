@@ -101,8 +101,10 @@ void for_each_overlapping_cell(const OverlappingCells& windows, const MortonNode
                              scratch.side));
 }
 
-/// Cells of a single volume, overlapping, in Morton order; the start of soft steps.
-PackedCells overlapping_cells(const Volume& volume, const LatticeField& field, int edge,
-                              std::optional<IndexBox> period = {});
+/// Cells of a field, overlapping, in Morton order of each volume; the start of soft steps.
+/// edge    voxels of each volume by itself: windows end at the seams of levels
+/// period  MomentOptions::periodic
+PackedCells overlapping_cells(const LatticeField& field, int edge,
+                              const std::optional<Box>& period = {});
 
 }  // namespace vog::moments
