@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <random>
 #include <tuple>
 
 #include "mpi_command.h"
 #include "vog/compare.h"
+#include "vog/convert_moments.h"
 #include "vog/dense.h"
 #include "vog/periodic.h"
 #include "vog/ply.h"
@@ -258,6 +260,44 @@ TEST_F(mpi_convert, error_bound_holds_for_the_whole_model) {
         nlohmann::json::parse(must_mpi(2, "convert e.vdb -o many.ply --error 0.15 --json").out);
     EXPECT_LE(json["measured_error"].get<double>(), 0.15);
     EXPECT_GT(json["measured_error"].get<double>(), 0);
+}
+
+/// Writes coarse.vdb, and fine.vdb over its middle with voxels half as wide; random values.
+void write_noisy_levels(const std::filesystem::path& folder, Vec3i coarse, Vec3i fine) {
+    std::mt19937 random(3);
+    const auto write = [&](const char* name, Vec3i size, const Affine& world_from_index) {
+        std::vector<float> values(static_cast<std::size_t>(size.x * size.y * size.z));
+        for (float& value : values) value = 0.01f + 0.99f * std::ldexp(float(random() >> 8), -24);
+        const DenseBlock block{values.data(), size, {size.y * size.z, size.z, 1}, {}};
+        write_vdb(folder / name, volume_from_dense({&block, 1}, world_from_index));
+    };
+    write("coarse.vdb", coarse, {});
+    Affine half = affine_from_voxels({0.5, 0.5, 0.5});
+    for (int axis = 0; axis < 3; ++axis)
+        half.translation[axis] = (coarse[axis] - fine[axis] / 2) / 2 - 0.25;
+    write("fine.vdb", fine, half);
+}
+
+TEST_F(mpi_convert, a_search_ends_where_a_gaussian_for_each_voxel_is_as_far) {
+    // Seen from its side: a search for linear interpolation only took 84,000 of 94,208.
+    write_noisy_levels(dir_ / "", {256, 256, 1}, {128, 128, 2});
+    for (const std::string data : {"coarse.vdb fine.vdb", "coarse.vdb"}) {
+        const auto json = nlohmann::json::parse(
+            must_mpi(2, "convert " + data + " -o many.ply --error 0.03 --json").out);
+        EXPECT_LE(json["gaussians"].get<std::size_t>(), kSmallCount) << data;
+        EXPECT_TRUE(json["as_near_as_interpolation"].get<bool>()) << data;
+        EXPECT_NE(read_ply(dir_ / "many.ply").summary.find("as near as interpolation is"),
+                  std::string::npos);
+    }
+}
+
+TEST_F(mpi_convert, the_finest_cut_of_parts_has_their_voxels) {
+    write_noisy_levels(dir_ / "", {20, 20, 20}, {16, 16, 16});
+    const std::string cut = " -o many.ply --budget 100000 --set mass-threshold=0";
+    must_mpi(2, "convert coarse.vdb fine.vdb" + cut);
+    EXPECT_EQ(read_ply(dir_ / "many.ply").size(), 20u * 20 * 20 - 8 * 8 * 8 + 16 * 16 * 16);
+    must_mpi(3, "convert coarse.vdb" + cut);
+    EXPECT_EQ(read_ply(dir_ / "many.ply").size(), 20u * 20 * 20);
 }
 
 TEST_F(mpi_convert, levels_keep_their_mass_and_picture) {

@@ -17,6 +17,7 @@
 #include "conversion/whole_error.h"
 #include "fields/part_fields.h"
 #include "inputs_part.h"
+#include "vog/budget_search.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/periodic.h"
@@ -146,23 +147,23 @@ class PartConversion {
     }
     /// This rank's part of every input in the smallest model whose error, over all ranks, is at most
     /// the requested one.
-    std::vector<Gaussians> search(const std::vector<InputPart>& parts, const WholeError& error) {
-        const double requested = conversion_.moments.error;
-        const double target = requested > 0 ? requested : kDefaultError;
-        const std::size_t finest =
-            requested > 0 ? from_.active_voxels : default_count(from_.active_voxels);
-        std::vector<Gaussians> best;
+    /// interpolation  as find_budget has it
+    std::vector<Gaussians> search(const std::vector<InputPart>& parts, const WholeError& error,
+                                  RelativeError& interpolation) {
+        ErrorSearch search;
+        search.finest = from_.active_voxels;
+        search.few = default_count(search.finest);
+        search.beyond_few = conversion_.moments.error > 0;
+        search.target = search.beyond_few ? conversion_.moments.error : kDefaultError;
+        std::vector<Gaussians> tried, best;
         MomentTotals totals;  // of the best: each conversion overwrites totals_
-        smallest_budget(target, finest, [&](std::size_t budget) {
-            std::vector<Gaussians> models = convert(parts, budget);
-            const double measured = error_beyond_interpolation(
-                error.of(models), error.interpolation(), target, from_.active_voxels);
-            if (measured <= target || budget >= finest) {
-                best = std::move(models);
-                totals = totals_;
-            }
-            return measured;
-        });
+        search.error_of_budget = [&](std::size_t budget) {
+            tried = convert(parts, budget);
+            return error.of(tried);
+        };
+        search.keep = [&] { best = std::move(tried), totals = totals_; };
+        search.error_of_voxels = [&] { return search.error_of_budget(search.finest); };
+        find_budget(search, interpolation);
         totals_ = totals;
         return best;
     }
@@ -230,9 +231,11 @@ class PartConversion {
         cells_.back() = report.cells;
         return model;
     }
-    /// Share of the budget in proportion to the part's active voxels, at least 1.
+    /// Share of the budget in proportion to the part's active voxels, at least 1. Each voxel has a Gaussian where the whole
+    /// has one for each.
     std::size_t budget_of(const InputPart& part) const {
         if (ranks_.count() == 1) return budget_;
+        if (budget_ >= from_.active_voxels) return std::max<std::uint64_t>(part.voxels, 1);
         // One Gaussian a rank is set aside, so that the shares never sum to more than the budget.
         const double divided =
             std::max(0.0, static_cast<double>(budget_) - static_cast<double>(ranks_.count()));
@@ -416,8 +419,10 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     std::optional<WholeError> error;
     if (searches || (options.by_moments && moments.measure))
         stages.run("reference", [&] { error.emplace(error_of(parts, from.box, period, ranks)); });
+    RelativeError interpolation = error ? error->interpolation() : RelativeError{};
     stages.run("convert", [&] {
-        model.inputs = searches ? conversion.search(parts, *error) : conversion.convert(parts);
+        model.inputs =
+            searches ? conversion.search(parts, *error, interpolation) : conversion.convert(parts);
         ranks.agree();
     });
     model.description = description_of(parts, model.inputs, from, options, ranks);
@@ -426,11 +431,12 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     if (error) {
         const RelativeError whole = stages.run("measure", [&] { return error->of(model.inputs); });
         totals.worst_error = whole.worst, totals.mean_error = whole.mean;
-        totals.interpolation_error = error->interpolation().worst;
-        totals.mean_interpolation_error = error->interpolation().mean;
-        const double beyond = error_beyond_interpolation(whole, error->interpolation(),
-                                                         kDefaultError, from.active_voxels);
-        totals.stopped_by_count = searches && moments.error == 0 && beyond > kDefaultError;
+        totals.interpolation_error = interpolation.worst;
+        totals.mean_interpolation_error = interpolation.mean;
+        const double beyond =
+            error_beyond_interpolation(whole, interpolation, kDefaultError, from.active_voxels);
+        totals.stopped_by_count = searches && moments.error == 0 && beyond > kDefaultError &&
+                                  default_count(from.active_voxels) < from.active_voxels;
     }
     if (!arguments.no_fields && !fields) read_fields();
     if (fields)

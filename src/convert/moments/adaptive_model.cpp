@@ -10,6 +10,7 @@
 #include "convert/moments/cut/optimal_cut.h"
 #include "convert/moments/error_search.h"
 #include "convert/moments/moment_job.h"
+#include "vog/budget_search.h"
 
 namespace vog::moments {
 
@@ -65,19 +66,6 @@ FieldCells soft_cells(const MomentJob& job, const FieldTrees& all, FieldEmSolver
     return cells;
 }
 
-/// Errors of interpolation, and of one Gaussian a voxel where those are larger. It interpolates the voxels too, pictures
-/// have its mean over a pixel where voxels are smaller, and no cut comes nearer. Measuring it takes less time than a try
-/// of more cells than default_count.
-RelativeError with_gaussian_voxels(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
-                                   const RelativeError& linear) {
-    // Sixteen times as many Gaussians usually have 16^-0.35 = 0.38 of an error. Where they gain less than an eighth,
-    // voxels limit it.
-    constexpr double kAsNear = 1.125;
-    const RelativeError error = measured_model(job, all.fields, views, voxel_cells(job, all)).error;
-    return {std::max(linear.worst, kAsNear * error.worst),
-            std::max(linear.mean, kAsNear * error.mean)};
-}
-
 /// Guesses the number of cells that have the error, from the error of few ones after few steps, which take a tenth of the
 /// time of a try.
 template <class Beyond>
@@ -99,42 +87,32 @@ double first_guess(MomentJob& job, const FieldTrees& all, const ErrorViews& view
 /// Cells of the smallest budget at which the soft, thresholded model has at most the error; of the
 /// default at most default_count.
 /// interpolation  of the voxels, linearly
-FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
-                  RelativeError interpolation, FieldEmSolver& em) {
-    const double target = job.error();
-    const std::size_t finest = finest_count(job, all);
-    const std::size_t few = std::min(default_count(job.values()), finest);
-    const bool few_first = job.options.error == 0 || finest_has_voxels(job);
-    std::size_t most = few_first ? few : finest;
+FieldCells searched_cells(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
+                          RelativeError interpolation, FieldEmSolver& em) {
+    ErrorSearch search;
+    search.target = job.error();
+    search.finest = finest_count(job, all);
+    search.beyond_few = job.options.error > 0;
+    const std::size_t few = std::min(default_count(job.values()), search.finest);
+    search.few = !search.beyond_few || finest_has_voxels(job) ? few : search.finest;
     const auto beyond = [&](const RelativeError& error) {
-        return error_beyond_interpolation(error, interpolation, target, finest);
+        return error_beyond_interpolation(error, interpolation, search.target, search.finest);
     };
-    const std::size_t allowed = job.options.error == 0 ? few : finest;
-    FieldCells best;
-    RelativeError best_error;
-    const auto error_of_budget = [&](std::size_t budget) {
-        FieldCells cells = soft_cells(job, all, em, budget, finest);
-        const RelativeError error = measured_model(job, all.fields, views, cells).error;
-        if (beyond(error) <= target || budget >= most) {
-            best = std::move(cells);
-            best_error = error;
-        }
-        return beyond(error);
+    search.first = std::min(first_guess(job, all, views, em, few, search.target, beyond),
+                            static_cast<double>(search.few));
+    FieldCells tried, best;
+    search.error_of_budget = [&](std::size_t budget) {
+        tried = soft_cells(job, all, em, budget, search.finest);
+        return measured_model(job, all.fields, views, tried).error;
     };
-    const double guess =
-        std::min(first_guess(job, all, views, em, few, target, beyond), static_cast<double>(most));
-    smallest_budget(target, most, error_of_budget, guess);
-    if (most < allowed && beyond(best_error) > target) {
-        interpolation = with_gaussian_voxels(job, all, views, interpolation);
-        if (beyond(best_error) > target) {
-            const double first = 2 * static_cast<double>(most);
-            most = finest;
-            smallest_budget(target, most, error_of_budget, first);
-        }
-    }
-    job.report_error(best_error, interpolation, views);
+    search.keep = [&] { best = std::move(tried); };
+    search.error_of_voxels = [&] {
+        return measured_model(job, all.fields, views, voxel_cells(job, all)).error;
+    };
+    const RelativeError error = find_budget(search, interpolation);
+    job.report_error(error, interpolation, views);
     job.report.stopped_by_count =
-        job.options.error == 0 && most < finest && beyond(best_error) > target;
+        !search.beyond_few && search.few < search.finest && beyond(error) > search.target;
     job.clock.end_stage("search", 0.9);
     return best;
 }
@@ -158,7 +136,7 @@ Gaussians adaptive_model(MomentJob& job) {
         cells = soft_cells(job, all, em, job.options.budget, finest_count(job, all));
         job.clock.end_stage("soften", 0.9);
     } else {
-        cells = search(job, all, *views, interpolation, em);
+        cells = searched_cells(job, all, *views, interpolation, em);
     }
     all.trees = {};
     views.reset();
