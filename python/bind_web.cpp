@@ -1,4 +1,4 @@
-// bind_web.cpp: export_html(): models to a self-contained HTML page, or to a site.
+// bind_web.cpp: export_html(): models to a self-contained HTML page, or to a site; the module of <vog-view>.
 #include <memory>
 
 #include "bindings.h"
@@ -137,6 +137,9 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
 
 }  // namespace
 
-void bind_web(py::module_& m) { m.def("_export_html", &export_html); }
+void bind_web(py::module_& m) {
+    m.def("_export_html", &export_html);
+    m.def("_view_module", &view_module);
+}
 
 }  // namespace vog::python

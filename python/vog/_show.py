@@ -1,4 +1,4 @@
-"""Pages inside of notebooks, and live widgets where anywidget is installed."""
+"""Pages inside of notebooks, and where anywidget is installed the element <vog-view> as a live widget."""
 import html
 import importlib
 import json
@@ -10,8 +10,11 @@ from urllib.parse import parse_qsl, quote
 
 from . import _vog
 from ._packages import described
+from ._picture import _json as request_json
 
 _HEIGHT = 520
+# Options of vog.export_html that a widget has not, and those that are no request.
+_OF_WHOLE_PAGES, _OF_FILES = ("description", "levels", "slabs", "url"), ("title", "steps", "precise")
 _Models = Any
 
 
@@ -20,7 +23,7 @@ def _models(data: Any, call: str) -> Any:
     if isinstance(data, Mapping):
         return {name: _models(one, call) for name, one in data.items()}
     if isinstance(data, (list, tuple)) and data and not all(isinstance(one, _vog.Volume) for one in data):
-        return [_models(one, call) for one in data]
+        return {f"model {n}": _models(one, call) for n, one in enumerate(data, 1)}
     if isinstance(data, _vog.Gaussians):
         return data
     if isinstance(data, (_vog.Volume, _vog.Levels, _vog.Points, list, tuple)) and (not isinstance(data, (list, tuple)) or data):
@@ -35,15 +38,18 @@ def page_html(data: Any, **options: Any) -> str:
     options  of vog.export_html
     """
     models = _models(data, "page_html")
-    folder = tempfile.mkdtemp(prefix="vog-page-")
-    file = os.path.join(folder, "page.html")
-    try:
-        _vog.export_html(file, models, **options)
-        return Path(file).read_text(encoding="utf-8")
-    finally:
-        if os.path.exists(file):
-            os.unlink(file)
-        os.rmdir(folder)
+    with tempfile.TemporaryDirectory(prefix="vog-page-") as folder:
+        _vog.export_html(os.path.join(folder, "page.html"), models, **options)
+        return Path(folder, "page.html").read_text(encoding="utf-8")
+
+
+def site_files(data: Any, **options: Any) -> "dict[str, bytes]":
+    """Files of the site that vog.export_html writes, by their names, but for its page."""
+    models = _models(data, "show")
+    with tempfile.TemporaryDirectory(prefix="vog-site-") as folder:
+        _vog.export_html(folder, models, **options)
+        files = [file for file in Path(folder).rglob("*") if file.is_file() and file.name != "index.html"]
+        return {file.relative_to(folder).as_posix(): file.read_bytes() for file in files}
 
 
 class Page:
@@ -65,7 +71,7 @@ class Page:
         return f"<vog.Page: {len(self.html)} bytes>"
 
 
-# --- settings of the page, in the words of its links (docs/web.md)
+# --- settings of the picture, in the words of its links (docs/web.md)
 
 
 def _numbers(text: str) -> List[float]:
@@ -87,7 +93,7 @@ def link_of(settings: "Mapping[str, str]") -> str:
 
 
 class Settings:
-    """Settings of a shown page that Python reads and sets: a part of the widget, and usable without a notebook.
+    """Settings of a shown page or widget that Python reads and sets: a part of the widget, and usable without a notebook.
 
     send  receives a link with the settings that change
 
@@ -176,6 +182,17 @@ class Settings:
         self._set(show=quantity)
 
     @property
+    def model(self) -> int:
+        """Which of several models, 1 the first."""
+        return int(self._now.get("model", "1"))
+
+    @model.setter
+    def model(self, number: int) -> None:
+        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+            raise _vog.Error(f"model: got {described(number)}, expected the number of a model, 1 the first")
+        self._set(model=str(number))
+
+    @property
     def field(self) -> str:
         """Name of the field; empty: none is shown."""
         return self._now.get("field", "")
@@ -258,47 +275,54 @@ def _widget_class() -> Any:
         if error.name not in ("anywidget", "traitlets"):
             raise
         return None
-    script = Path(__file__).with_name("_widget.js")
+    script = Path(__file__).with_name("_widget.js").read_text(encoding="utf-8")
+    module: Any = _vog
 
     class Widget(Settings, anywidget.AnyWidget):  # in this order: traitlets calls the constructor of the class behind its own
-        """A live page: settings of Settings go both ways. vog.show makes one where anywidget is installed."""
+        """The element <vog-view> in a notebook: settings of Settings go both ways. vog.show makes one where anywidget is installed."""
 
-        _esm = script.read_text(encoding="utf-8")
-        html = traitlets.Unicode().tag(sync=True)
+        _esm = module._view_module() + script
+        files = traitlets.Dict().tag(sync=True)  # of the model's site
         height = traitlets.Int(_HEIGHT).tag(sync=True)
-        sent = traitlets.Unicode().tag(sync=True)  # settings for the page
-        link = traitlets.Unicode().tag(sync=True)  # settings of the page
+        begin = traitlets.Unicode().tag(sync=True)  # request of the first picture, JSON
+        sent = traitlets.Unicode().tag(sync=True)  # settings for the picture
+        link = traitlets.Unicode().tag(sync=True)  # settings of the picture
 
         def __init__(self, data: Any, height: int = _HEIGHT, **options: Any) -> None:
+            for name in _OF_WHOLE_PAGES:
+                if name in options:
+                    raise _vog.Error(f"show: {name} has no effect on a live widget, expected live=False beside it")
             self._options = options
             self._count = 0
             Settings.__init__(self, self._to_page)
-            anywidget.AnyWidget.__init__(self, html=page_html(data, **options), height=height)
+            request = {"background": "black", **{key: value for key, value in options.items() if key not in _OF_FILES}}
+            anywidget.AnyWidget.__init__(self, files=site_files(data, **options), begin=request_json("show", request), height=height)
             self.observe(lambda change: self.receive(change["new"]), "link")
 
         def _to_page(self, link: str) -> None:
-            # A number makes equal settings another message: the page may have changed meanwhile.
+            # A number makes equal settings another message: the picture may have changed meanwhile.
             self._count += 1
             self.sent = f"{self._count} {link}"
+            self.link = link_of(self._now)  # for what is displayed later
 
         def set_model(self, data: Any) -> None:
             """Shows another model in place, under the same settings."""
-            self.html = page_html(data, **self._options)
+            self.files = site_files(data, **self._options)
 
     Widget.__module__ = "vog"
     return Widget
 
 
 def show(data: _Models, *, live: Optional[bool] = None, height: int = _HEIGHT, **options: Any) -> Any:
-    """Shows models, volumes or particles in a notebook: a page to turn and explore, without server or network.
+    """Shows models, volumes or particles in a notebook: a picture to turn and explore, without server or network.
 
-    data     Gaussians, a Volume, Levels or Points, or a list or dict of them (a switch in the page); all but Gaussians are
-             converted by vog.convert
-    live     whether Python and the page share settings: needs anywidget. None: if it is installed
+    data     Gaussians, a Volume, Levels or Points, or a list or dict of them; all but Gaussians are converted by vog.convert
+    live     True: a widget, a picture that shares its settings with Python, which needs anywidget; False: a whole page with its controls.
+             None: a widget if anywidget is installed
     height   of the output, CSS pixels
-    options  of vog.export_html: title, show, field, tf, light, levels, ...
+    options  of vog.export_html: title, show, field, tf, light, ...; description, levels, slabs and url of a page alone
 
-    Returns a Page (`.html`, `.save(file)`), or with anywidget a Widget, whose `camera`, `tf`, `show`, `field`, `range`, `clip` and
+    Returns a Page (`.html`, `.save(file)`), or a Widget, whose `camera`, `tf`, `show`, `field`, `range`, `clip`, `model` (1 the first) and
     `transfer_function` are read and set, with `on_change(function)` and `set_model(model)`.
 
     >>> page = vog.show(vog.sample_cloud(64), live=False, title="A cloud")

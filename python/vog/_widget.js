@@ -1,39 +1,34 @@
-// _widget.js: the page in an iframe, and its settings to and from Python (src/web/page/link/outer.js).
+// _widget.js: the element <vog-view> in the output of a cell, its files and words from Python, its words to Python. The module of the element
+// (docs/web_element.md) comes before these lines.
 function render({ model, el }) {
-  const frame = document.createElement('iframe');
-  frame.style.cssText = 'width: 100%; border: 0';
-  frame.setAttribute('allowfullscreen', '');
-  let ready = false;
-  const post = (message) => frame.contentWindow?.postMessage(message, '*');
-  const send = (settings) => { if (settings) post({ vog: 'settings', settings }); };
-  const listen = ({ source, data }) => {
-    if (source !== frame.contentWindow || data?.vog !== 'settings') return;
-    if (!ready) {
-      // The page of another model takes the settings of the one before.
-      ready = true;
-      send(model.get('link'));
-      send(model.get('sent').replace(/^\d+ /, ''));
-      return;
-    }
-    model.set('link', data.settings);
-    model.save_changes();
+  // The first module of a notebook defines the element.
+  const view = document.createElement('vog-view'), element = customElements.get('vog-view');
+  const scripts = new Blob([model.get('_esm')], { type: 'text/javascript' });
+  element.worker = () => new Worker(URL.createObjectURL(scripts), { type: 'module', name: 'vog-view' });
+  const open = () => {
+    const files = model.get('files');
+    view.files = (name) => files[name] && new Uint8Array(files[name].buffer, files[name].byteOffset, files[name].byteLength);
+    view.link = model.get('link');  // another model takes the words of the one before
   };
-  const load = () => { ready = false; frame.srcdoc = model.get('html'); };
-  const resize = () => { frame.style.height = `${model.get('height')}px`; };
-  const forward = () => { if (ready) send(model.get('sent').replace(/^\d+ /, '')); };
-  window.addEventListener('message', listen);
-  frame.addEventListener('load', () => post({ vog: 'get' }));
-  model.on('change:html', load);
-  model.on('change:height', resize);
-  model.on('change:sent', forward);
+  const resize = () => { view.style.height = `${model.get('height')}px`; };
+  const take = () => { view.link = model.get('sent').replace(/^\d+ /, ''); };
+  const heard = { 'change:files': open, 'change:height': resize, 'change:sent': take };
+  for (const [name, call] of Object.entries(heard)) model.on(name, call);
+  view.style.aspectRatio = 'auto';
+  // Keys of the picture are no commands of the notebook: D, D deletes a cell.
+  view.dataset.lmSuppressShortcuts = 'true';
+  view.addEventListener('keydown', (event) => event.stopPropagation());
+  view.on('change', () => {
+    model.set('link', view.link);
+    model.save_changes();
+  });
+  view.link = model.get('begin');
   resize();
-  load();
-  el.append(frame);
+  open();
+  el.append(view);
   return () => {
-    window.removeEventListener('message', listen);
-    model.off('change:html', load);
-    model.off('change:height', resize);
-    model.off('change:sent', forward);
+    for (const [name, call] of Object.entries(heard)) model.off(name, call);
+    view.remove();
   };
 }
 export default { render };

@@ -1,7 +1,6 @@
 """examples/notebook.ipynb: run by Jupyter, and seen in a headless browser."""
+import json
 import os
-import re
-import shutil
 import sys
 
 import pytest
@@ -70,9 +69,27 @@ def test_a_live_widget_has_the_settings():
     widget.on_change(lambda one: seen.append(one.tf))
     widget.tf = "viridis"
     assert widget.sent == "1 #tf=viridis"
+    widget.show = "column"
+    assert [widget.sent, widget.link] == ["2 #show=column", "#tf=viridis&show=column"]  # a display that comes later has both
     widget.link = "#tf=magma&camera.eye=1,2,3&camera.look_at=0,0,0&camera.up=0,1,0&camera.fov_degrees=30"  # as the page sends it
     assert seen == ["magma"]
+    assert widget.model == 1
     assert widget.camera.eye == (1, 2, 3)
-    before = widget.html
+    before = widget.files
+    assert json.loads(before["manifest.json"])["models"][0]["name"] == "A cloud" and "page.json" in before and "index.html" not in before
     widget.set_model(vog.convert(vog.sample_cloud(64), block=4))
-    assert widget.html != before and "A cloud" in widget.html
+    assert widget.files.keys() != before.keys() and "A cloud" in widget.files["manifest.json"].decode()
+
+
+def test_a_live_widget_begins_with_a_request():
+    pytest.importorskip("anywidget", reason="needs anywidget (pip install anywidget)")
+    model = vog.convert(vog.sample_cloud(64), block=8)
+    widget = vog.show([model, model], show="volume", light="studio", background="system", camera=vog.Camera((1, 2, 3), (0, 0, 0)))
+    begin = json.loads(widget.begin)
+    assert [begin[key] for key in ("show", "light", "background")] == ["volume", "studio", "system"] and begin["camera"]["eye"] == [1, 2, 3]
+    assert [one["name"] for one in json.loads(widget.files["manifest.json"])["models"]] == ["model 1", "model 2"]
+    assert json.loads(vog.show(model).begin) == {"background": "black"}
+    assert "customElements.define('vog-view'" in widget._esm and widget._esm.endswith("export default { render };\n")
+    for option, value in (("levels", 3), ("slabs", 16), ("description", "A text")):
+        with pytest.raises(vog.Error, match=f"show: {option} has no effect on a live widget, expected live=False"):
+            vog.show(model, **{option: value})

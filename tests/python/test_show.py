@@ -29,6 +29,7 @@ def test_large_models_show_fewer_and_say_so(model, monkeypatch):
 
 
 def test_pages_are_saved_and_take_what_is_no_model_yet(model, tmp_path):
+    assert '"name":"model 2"' in vog.show([model, model], live=False).html
     page = vog.show({"a": model, "b": vog.sample_cloud(64)}, live=False, height=300)
     page.save(tmp_path / "page.html")
     assert (tmp_path / "page.html").read_text() == page.html
@@ -46,7 +47,7 @@ def test_settings_go_both_ways():
     settings = vog.Settings(sent.append)
     camera = vog.Camera((1, 2, 3), (0, 0, 1), (0, 0, 1), 25)
     settings.camera = camera
-    settings.tf, settings.show, settings.field = "viridis", "volume", "gas temperature"
+    settings.tf, settings.show, settings.field, settings.model = "viridis", "volume", "gas temperature", 2
     settings.range = (1, 2.5)
     settings.clip = ((0, 0, 0), (1, 1, 1))
     assert settings.tf == "viridis" and settings.transfer_function is None
@@ -56,7 +57,7 @@ def test_settings_go_both_ways():
     other.receive("#" + "&".join(link.lstrip("#") for link in sent))
     assert other.settings == settings.settings
     assert (other.camera.eye, other.camera.look_at, other.camera.fov_degrees) == ((1, 2, 3), (0, 0, 1), 25)
-    assert (other.tf, other.show, other.field, other.range) == ("own", "volume", "gas temperature", (1, 2.5))
+    assert (other.tf, other.show, other.field, other.range, other.model) == ("own", "volume", "gas temperature", (1, 2.5), 2)
     assert other.clip == ([0, 0, 0], [1, 1, 1])
     assert other.transfer_function == transfer
     settings.camera = vog.Camera((1, 2, 3), (0, 0, 0), orthographic_width=7)
@@ -76,7 +77,7 @@ def test_changes_by_hand_call_functions_once():
 @pytest.mark.parametrize(
     "name, value",
     [("tf", "infreno"), ("show", "nothing"), ("range", (2, 1)), ("range", (1, float("nan"))), ("clip", 3), ("clip", ((1, 1, 1), (0, 0, 0))),
-     ("camera", "x"), ("field", 3), ("transfer_function", {"colors": []}),
+     ("camera", "x"), ("field", 3), ("model", 0), ("model", "a"), ("transfer_function", {"colors": []}),
      ("transfer_function", {"colors": [[0, 0, 0]], "opacity": [[0, 0]], "unit": 1}),
      ("transfer_function", {"colors": [[0, 0, 0, 0]], "opacity": [[0, 0]], "unit": 0})],
 )  # fmt: skip

@@ -1,11 +1,9 @@
-"""A page inside of another, as in notebooks: settings as messages, and the widget's script under a model of Jupyter's."""
-import html
+"""The widget of notebooks under a model of Jupyter's, and a page inside of another: settings both ways."""
 import json
 
+from element_test import MODULE, ElementTest
 from page_test_case import HOUSE, PageTest, run, vog, write_model
 from site_server import SiteServer
-
-WIDGET = HOUSE / "python" / "vog" / "_widget.js"
 
 # What Jupyter gives a widget, as far as ours uses it.
 MODEL = """
@@ -18,80 +16,91 @@ class Model {
   off(event, listener) { this.listeners[event] = this.listeners[event].filter((one) => one !== listener); }
   from_python(name, value) { this.values[name] = value; for (const one of this.listeners[`change:${name}`] ?? []) one(); }
 }
+const filesOf = async (site, names) => Object.fromEntries(await Promise.all(names.map(async (name) => [name, new DataView(await (await fetch(`${site}/${name}`)).arrayBuffer())])));
+const begun = (async () => {
+  const esm = await (await fetch('widget.js')).text();
+  globalThis.model = new Model({ _esm: esm, files: await filesOf('one', ONE), height: 220, begin: '{"show": "column", "tf": "gray", "background": "white"}', sent: '', link: '' });
+  globalThis.remove = (await import('./widget.js')).default.render({ model, el: document.getElementById('cell') });
+})();
+const view = () => document.querySelector('vog-view');
+const canvas = () => view().shadowRoot.querySelector('canvas');
 """
 
 
-class Outer(PageTest):
+class Widget(ElementTest):
     @classmethod
     def make(cls):
         write_model(cls.folder / "one.ply", [0, 0, 0, 1, 1, 1, 0.5, 2, 0, 0, 0.5, 0.5, 0.5, 1])
         write_model(cls.folder / "two.ply", [0, 0, 0, 2, 2, 2, 0.5])
+        names = {}
         for name in ("one", "two"):
-            vog("page", f"{name}.ply", "-o", f"{name}.html")
-        text = {name: (cls.folder / f"{name}.html").read_text() for name in ("one", "two")}
-        script = WIDGET.read_text().replace("export default { render };", "")
-        (cls.folder / "outer.html").write_text(f"""<!doctype html><meta charset="utf-8"><body style="margin: 0"><div id="cell"></div>
-<template id="one">{html.escape(text["one"])}</template><template id="two">{html.escape(text["two"])}</template>
-<script>{MODEL}{script}
-const page = (name) => document.getElementById(name).content.textContent;
-const model = new Model({{ html: page('one'), height: 220, sent: '', link: '' }});
-const remove = render({{ model, el: document.getElementById('cell') }});
-const inner = () => document.querySelector('iframe').contentWindow;
-const until = async (test) => {{ for (let n = 0; n < 2400 && !test(); ++n) await new Promise((done) => setTimeout(done, 25)); return test(); }};
-const shown = () => until(() => inner().vog?.state && model.values.link);
-</script></body>""")
+            vog("page", f"{name}.ply", "-o", f"{name}/")
+            names[name] = [str(file.relative_to(cls.folder / name)) for file in (cls.folder / name).rglob("*.*") if file.name != "index.html"]
+        (cls.folder / "widget.js").write_text(MODULE.read_text() + (HOUSE / "python/vog/_widget.js").read_text())
+        (cls.folder / "outer.html").write_text(f"""<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin: 0"><div id="cell"></div>
+<script>const ONE = {json.dumps(names["one"])}, TWO = {json.dumps(names["two"])};{MODEL}</script></body>""")
 
     def setUp(self):
         super().setUp()
-        self.browser.open(self.folder / "outer.html", "")
-        self.assertTrue(self.value("shown().then(Boolean)"))
+        self.browser.open(self.server.url + "outer.html")
+        self.value("begun.then(() => view().ready).then(() => true)")
+        self.until("model.values.link")
 
     def link(self):
         return dict(word.partition("=")[::2] for word in self.value("model.values.link").lstrip("#").split("&"))
 
-    def test_the_page_reports_its_settings(self):
-        self.assertEqual(self.link()["tf"], "ember")
-        self.assertEqual(self.value("document.querySelector('iframe').clientHeight"), 220)
-        # A hand in the page arrives in Python.
-        self.value("inner().vog.change({ map: 'viridis' })")
-        self.assertTrue(self.value("until(() => model.values.link.includes('tf=viridis'))"))
-        self.assertTrue(self.value("model.saved.at(-1).includes('tf=viridis')"))
+    def test_it_begins_as_python_says_and_reports_its_settings(self):
+        self.assertEqual([self.link()["show"], self.link()["tf"]], ["column", "gray"])
+        self.assertEqual(self.value("[view().clientHeight, view().request.background]"), [220, [1, 1, 1, 1]])
+        self.assertEqual(self.value("view().models.map(({ name }) => name)"), ["one"])
+        # Nothing but the page and the script has been asked for.
+        self.assertEqual({path for path in self.server.paths if path.startswith("/one/")}, {f"/one/{name}" for name in self.value("ONE")})
+        # A hand in the picture arrives in Python.
+        self.value("view().set({ tf: 'viridis' })")
+        self.until("model.values.link.includes('tf=viridis')")
+        self.assertIn("tf=viridis", self.value("model.saved.at(-1)"))
 
     def test_a_drag_arrives(self):
         before = self.link()["camera.eye"]
         self.browser.drag(100, 100, 160, 110)
-        self.assertTrue(self.value(f"until(() => !model.values.link.includes({json.dumps(before)}))"))
+        self.until(f"!model.values.link.includes({json.dumps(before)})")
+
+    def test_its_keys_are_no_commands_of_the_notebook(self):
+        self.value("{ globalThis.heard = []; addEventListener('keydown', ({ key }) => heard.push(key)); canvas().focus(); }")
+        before = self.link()["camera.eye"]
+        self.browser.key("ArrowLeft")
+        self.until(f"!model.values.link.includes({json.dumps(before)})")
+        self.assertEqual(self.value("[heard, view().closest('[data-lm-suppress-shortcuts]') !== null]"), [[], True])
 
     def test_python_sets_them(self):
-        self.value("model.from_python('sent', '1 #tf=magma&camera.eye=5,6,7&camera.look_at=0,0,0&show=column')")
-        self.assertTrue(self.value("until(() => inner().vog.state.map === 'magma')"))
-        self.assertEqual(self.value("inner().vog.state.camera.eye"), [5, 6, 7])
-        self.assertTrue(self.value("until(() => model.values.link.includes('show=column'))"))
-        # What a page does not know changes nothing.
+        self.value("model.from_python('sent', '1 #tf=magma&camera.eye=5,6,7&camera.look_at=0,0,0&show=T')")
+        self.until("view().tf === 'magma'")
+        self.assertEqual(self.value("view().camera.eye"), [5, 6, 7])
+        self.until("model.values.link.includes('show=T')")
+        # What a view does not know changes nothing, and is named.
         self.value("model.from_python('sent', '2 #tf=nothing')")
-        self.value("inner().postMessage({ vog: 'settings', settings: 5 }, '*'); inner().postMessage(null, '*')")
-        self.assertEqual(self.value("inner().vog.state.map"), "magma")
+        self.assertEqual(self.value("view().tf"), "magma")
+        self.assertIn('tf "nothing": expected one of', self.value("view().shadowRoot.querySelector('p').textContent"))
+        self.value("model.from_python('height', 300)")
+        self.assertEqual(self.value("view().clientHeight"), 300)
 
     def test_another_model_takes_the_settings(self):
         self.value("model.from_python('sent', '1 #tf=magma')")
-        self.assertTrue(self.value("until(() => model.values.link.includes('tf=magma'))"))
-        radius = self.value("inner().vog.page.models[0].box.radius")
-        self.value("model.from_python('html', page('two'))")
-        self.assertTrue(self.value(f"until(() => inner().vog && inner().vog.page.models[0].box.radius !== {radius})"))
-        self.assertTrue(self.value("until(() => inner().vog.state.map === 'magma')"))
+        self.browser.drag(100, 100, 160, 110)
+        self.until("model.values.link.includes('tf=magma')")
+        eye = self.value("view().camera.eye")
+        self.value("filesOf('two', TWO).then((files) => { model.from_python('files', files); return view().ready; }).then(() => true)")
+        self.assertEqual(self.value("[view().models[0].name, view().tf, view().show]"), ["two", "magma", "column"])
+        for now, before in zip(self.value("view().camera.eye"), eye):
+            self.assertAlmostEqual(now, before, delta=1e-6)
+
+    def test_files_that_are_missing_are_named(self):
+        self.value("model.from_python('files', {})")
+        self.until("view().shadowRoot.querySelector('p').textContent === 'The model cannot be read: manifest.json: no such file, expected the description of a site.'")
 
     def test_a_removed_widget_is_silent(self):
         self.value("remove()")
-        count = self.value("model.saved.length")
-        self.value("inner().vog.change({ map: 'gray' })")
-        # A message of its own comes back after all that the page has sent.
-        self.assertEqual(self.value("inner().vog.settled().then(() => new Promise((done) => inner().requestAnimationFrame(() => {"
-                                    " addEventListener('message', ({data}) => data === 'last' && done(model.saved.length));"
-                                    " inner().parent.postMessage('last', '*'); })))"), count)
-
-    def test_a_page_of_its_own_sends_nothing(self):
-        self.open("one.html")
-        self.assertEqual(self.value("vog.state.map"), "ember")
+        self.assertEqual(self.value("[document.querySelector('vog-view'), Object.values(model.listeners).flat().length]"), [None, 0])
 
 
 class Embedded(PageTest):
@@ -143,6 +152,10 @@ const send = (settings) => inner().postMessage({ vog: 'settings', settings }, '*
         self.value("send('#tf=gray')")
         self.until("inner().vog.state.map === 'gray'")
         self.assertTrue(self.value("inner().vog.state.embed && inner().vog.state.still"))
+
+    def test_a_page_of_its_own_sends_nothing(self):
+        self.open("one.html")
+        self.assertEqual(self.value("vog.state.map"), "ember")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
 // source.js: where the models of a streamed page lie: a site's folder; RangeFile (range_file.js) has the same calls.
+import { Failure } from './requests.js';
 import { modelsOf, treesOf } from './rows.js';
 
 /** Why a page cannot read from a source, in a line; '': it may. */
@@ -13,18 +14,24 @@ export function cannotRead({ base, server }) {
 
 /** A folder of chunks, each in files of its own. */
 export class Folder {
-  /** site  {manifest: name of the description, base: address of the folder; '': the page's} */
-  constructor({ manifest, base }) {
+  /** site  {manifest: name of the description, base: address of the folder; '': the page's, files(name): its bytes, or their promise; undefined: a server's} */
+  constructor({ manifest, base, files }) {
     this.base = new URL(base || '.', document.baseURI);
     this.base.hash = this.base.search = '';
     if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
-    this.manifest = manifest;
+    Object.assign(this, { manifest, files });
     this.hint = ', expected the description of a site';
     this.server = 'vog serve FOLDER';
   }
 
   /** A file as Requests takes it, and its name. */
-  file(name, bytes) { return { url: new URL(name, this.base).href, name, bytes }; }
+  file(name, bytes) { return { url: new URL(name, this.base).href, name, bytes, read: this.files && ((how) => this.given(name, how)) }; }
+  async given(name, { count }) {
+    const body = await this.files(name);
+    if (!(body instanceof Uint8Array)) throw new Failure('missing', 'no such file');
+    count(body.length);
+    return body;
+  }
   /** The file that describes all others; their names are of their content. */
   first() { return { ...this.file(this.manifest), cache: 'no-cache' }; }
   /** What a view begins with, beside first(). */

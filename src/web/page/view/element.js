@@ -86,6 +86,7 @@ export function elementOf(given) {
 
     #line = document.createElement('p');
     #described = document.createElement('span');
+    #files = null;
     #asked = nothing();  // settings of attributes and of set(), as of readLink
     #opening = null;     // of the current src
     #view = null;
@@ -111,7 +112,7 @@ export function elementOf(given) {
 
     connectedCallback() {
       // Properties that were set before the element was defined.
-      for (const word of ['src', 'label', ...words]) {
+      for (const word of ['src', 'files', 'link', 'label', ...words]) {
         if (!Object.hasOwn(this, word)) continue;
         const value = this[word];
         delete this[word];
@@ -141,6 +142,12 @@ export function elementOf(given) {
 
     get src() { return this.getAttribute('src') ?? ''; }
     set src(address) { this.setAttribute('src', address); }
+    /** The files of a site's folder in place of an address: (name) => bytes, or their promise. */
+    get files() { return this.#files; }
+    set files(read) {
+      this.#files = read;
+      this.#reopen();
+    }
     get label() { return this.getAttribute('label') ?? ''; }
     set label(text) { this.setAttribute('label', text); }
 
@@ -176,6 +183,7 @@ export function elementOf(given) {
     }
     /** The same as a link's words, from # on, for pages and `vog render --request`. */
     get link() { return this.#view?.link ?? ''; }
+    set link(text) { this.#take(readLink(text)); }
     /** What there is to be shown: [{name, shows, fields: [{name, unit, lower, upper}]}]. */
     get models() {
       const fieldOf = ({ name, unit, lower, upper }) => ({ name, unit, lower, upper });
@@ -219,7 +227,7 @@ export function elementOf(given) {
 
     #reopen() {
       this.dispose();
-      if (!this.isConnected || !this.src) return;
+      if (!this.isConnected || !(this.src || this.#files)) return;
       this.#settle.reject(new Error('another model is opened'));
       this.#renew();
       const { signal } = this.#opening = new AbortController();
@@ -227,7 +235,7 @@ export function elementOf(given) {
     }
 
     async #open(signal) {
-      const site = siteOf(this.src), source = placeOf(site), line = cannotRead(source);
+      const site = this.#files ? { manifest: 'manifest.json', base: 'https://files/', files: this.#files } : siteOf(this.src), source = placeOf(site), line = cannotRead(source);
       if (line) return this.#fail(`${line}.`);
       const requests = new Requests({ changed() {}, away: (isAway, reason) => this.#warn(isAway ? awayLine(source.base, reason, true) : '', 0) });
       signal.addEventListener('abort', () => requests.dispose());

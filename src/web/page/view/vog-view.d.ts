@@ -75,11 +75,13 @@ export class VogView extends HTMLElement {
   /** Makes the worker that decodes; where it throws, the page's own thread decodes. */
   static worker: () => Worker;
   src: string;
+  /** The files of a site's folder in place of an address, by their names in it. */
+  files: ((name: string) => Uint8Array | undefined | Promise<Uint8Array | undefined>) | null;
   /** What the picture shows, for those who hear it. */
   label: string;
   readonly ready: Promise<VogView>;
   readonly request: ViewEvents['change']['request'] | null;
-  readonly link: string;
+  link: string;
   readonly models: ViewModel[];
   set(settings: Settings): string[];
   get<Word extends keyof Settings>(word: Word): Settings[Word];
