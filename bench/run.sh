@@ -7,9 +7,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-quick=()
+quick=() few=()
 if [[ ${1:-} == --quick ]]; then
-    quick=(--quick)
+    quick=(--quick) few=(--benchmark_min_time=0.01)  # each picture and model is checked before it is timed
     shift
 fi
 build=${1:-build/release}
@@ -21,7 +21,7 @@ bench() {  # name, arguments; writes $results/name.json
     local name=$1
     shift
     echo "bench: $name" >&2
-    "$build/bench/${name}_bench" --benchmark_format=json --benchmark_context=commit="$commit" "$@" \
+    "$build/bench/${name}_bench" --benchmark_format=json --benchmark_context=commit="$commit" "${few[@]}" "$@" \
         >"$results/$name.json" 2>"$results/log" || { cat "$results/log" >&2; exit 1; }
 }
 

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Checks that take longer than a change may wait for: scripts/nightly.sh. What .ci/run leaves to the night:
-#   tests       more values of parameters (VOG_NIGHTLY: 1, 2, 3, 5 and 8 ranks of vog-mpi), tests of the label nightly (the
-#               Python package under NumPy 2 among them), every pair of options in a run of its own (VOG_ALL_PAIRS); effects of
-#               the options of vog view and vog-mpi, and of every option on conversions that measure their errors and on
-#               evaluations of a volume (VOG_ALL_EFFECTS)
+#   tests       more values of parameters (VOG_NIGHTLY: 1, 2, 3, 5 and 8 ranks of vog-mpi, pages' pictures of a million pixels), tests
+#               of the label nightly (the Python package under NumPy 2 among them), every pair of options in a run of its own
+#               (VOG_ALL_PAIRS); effects of the options of vog view and vog-mpi, and of every option on conversions that measure
+#               their errors and on evaluations of a volume (VOG_ALL_EFFECTS)
+#   sanitizers  tests that every change runs without them alone: conversions that measure errors, more pictures of voxels
+#               (`night` in tests/CMakeLists.txt)
 #   threads     the parallel stages under the thread sanitizer
 #   packages    a wheel for each Python that this machine has, each on a bare system
 #   fuzz        every target for two minutes, from a new seed
@@ -15,6 +17,10 @@ export VOG_NIGHTLY=1 VOG_ALL_PAIRS=1 VOG_ALL_EFFECTS=1
 stage "tests"
 scripts/test.sh -DVOG_WERROR=ON
 ctest --preset nightly
+
+stage "sanitizers: tests that every change runs without them"
+scripts/build.sh sanitize -DVOG_WERROR=ON
+UBSAN_OPTIONS=print_stacktrace=1 ctest --preset sanitize-nightly
 
 stage "threads: the parallel stages under the thread sanitizer"
 scripts/build.sh threads
