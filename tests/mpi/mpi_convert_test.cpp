@@ -44,7 +44,8 @@ TEST_P(mpi_convert_ranks, uniform_cuts_are_the_same_bytes) {
     must("sample cloud c.vdb --size 64");
     expect_same_bytes(GetParam(), "c.vdb --set soft-steps=0 --block 2");
     expect_same_bytes(
-        GetParam(), "c.vdb --set soft-steps=0 --block 8 --set mass-threshold=0.02 --set axis-aligned=1");
+        GetParam(),
+        "c.vdb --set soft-steps=0 --block 8 --set mass-threshold=0.02 --set axis-aligned=1");
     expect_same_bytes(GetParam(), "c.vdb --set soft-steps=0 --lod 5");
 }
 
