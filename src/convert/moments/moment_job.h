@@ -63,11 +63,11 @@ struct MomentJob {
     CellReceiver* receiver = nullptr;  ///< takes the cells where has_fine_cells(); null: none
 
     const Collective& collective() const { return collective_or_single(options.collective); }
-    /// Whether a uniform cut begins with overlapping cells.
+    /// Whether a uniform cut begins with overlapping cells; of levels only that of their voxels.
     bool overlaps() const {
-        return options.soft_steps < 0 && options.block_voxels && !levels &&
-               options.block_voxels <= kLeafEdge && !options.collective &&
-               (!options.periodic || window_period());
+        return options.soft_steps < 0 && options.block_voxels &&
+               (!levels || options.block_voxels == 1) && options.block_voxels <= kLeafEdge &&
+               !options.collective && (!options.periodic || window_period());
     }
     /// Voxels of a periodic box across whose faces windows go.
     std::optional<IndexBox> window_period() const {

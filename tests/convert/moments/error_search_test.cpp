@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "vog/budget_search.h"
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 
@@ -101,6 +102,44 @@ TEST(error_search, an_error_below_that_of_interpolation_is_enough) {
     EXPECT_DOUBLE_EQ(beyond(0.1, 0.1, 0.02, kLarge), 0.04) << "the mean counts, too";
     EXPECT_DOUBLE_EQ(beyond(0.3, 0.2, 0.15, kLarge), 0.3) << "a target above that of interpolation";
     EXPECT_DOUBLE_EQ(beyond(0.2, 0.05, 0.02, kSmallCount), 0.2) << "small data";
+}
+
+/// Search for 0.02 among up to 1,000,000 Gaussians, 1/16 of them first, whose error is 0.1 at 60,000; voxels alone have `voxels`.
+ErrorSearch search_of(double voxels, std::vector<std::size_t>& tried, std::size_t& kept) {
+    ErrorSearch search;
+    search.target = 0.02;
+    search.few = kFinest / kVoxelsPerGaussian;
+    search.finest = kFinest;
+    search.error_of_budget = [&](std::size_t budget) {
+        tried.push_back(budget);
+        const double error = 0.1 * std::pow(static_cast<double>(budget) / 60000, kErrorPower);
+        return RelativeError{error, error};
+    };
+    search.keep = [&] { kept = tried.back(); };
+    search.error_of_voxels = [voxels] { return RelativeError{voxels, voxels}; };
+    return search;
+}
+
+TEST(error_search, a_gaussian_for_each_voxel_ends_a_search_where_it_is_as_far) {
+    std::vector<std::size_t> tried;
+    std::size_t kept = 0;
+    RelativeError interpolation{0.03, 0.03};
+    find_budget(search_of(0.09, tried, kept), interpolation);
+    EXPECT_EQ(kept, kFinest / kVoxelsPerGaussian);
+    EXPECT_DOUBLE_EQ(interpolation.worst, 1.125 * 0.09);
+
+    tried.clear();
+    interpolation = {0.05, 0.05};
+    const RelativeError found = find_budget(search_of(0.04, tried, kept), interpolation);
+    EXPECT_LE(found.worst, 0.05) << "more help";
+    EXPECT_GT(kept, kFinest / kVoxelsPerGaussian);
+    EXPECT_DOUBLE_EQ(interpolation.worst, 0.05);
+
+    tried.clear();
+    ErrorSearch search = search_of(0.04, tried, kept);
+    search.beyond_few = false;
+    find_budget(search, interpolation);
+    EXPECT_EQ(kept, kFinest / kVoxelsPerGaussian) << "the default has no more";
 }
 
 }  // namespace

@@ -261,6 +261,22 @@ Leaf& StableLeaves::add() {
     return runs_.back().emplace_back();
 }
 
+LatticeStep::LatticeStep(const Volume& volume, const LatticeField& field) {
+    if (field.volumes.size() == 1) return;
+    const double ratio = voxel_volume(volume) / field.voxel_volume();
+    edge = std::exp2(std::round(std::log2(ratio) / 3));
+    first = inverse(field.world_from_index)(volume.world_from_index.translation);
+    for (int axis = 0; axis < 3; ++axis) first[axis] = 0.5 * std::round(2 * first[axis]);
+}
+
+Moments LatticeStep::operator()(const MomentSums& sums, Vec3d center) const {
+    Moments cell = moments_of(sums);
+    cell.mass *= edge * edge * edge;
+    cell.mean = first + edge * (cell.mean + center);
+    for (double& c : cell.covariance) c *= edge * edge;
+    return cell;
+}
+
 LatticeField lattice_field(const Volume& volume) {
     return {volume_bricks(volume, morton_nodes(volume)), {}, volume.world_from_index, {&volume}};
 }

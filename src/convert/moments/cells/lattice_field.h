@@ -29,6 +29,16 @@ struct LatticeField {
     double voxel_volume() const { return std::abs(determinant(world_from_index.linear)); }
 };
 
+/// Map from the index space of one of a field's volumes to the field's.
+struct LatticeStep {
+    double edge = 1;  ///< of the volume's voxels
+    Vec3d first;      ///< place of voxel 0
+
+    LatticeStep(const Volume& volume, const LatticeField& field);
+    /// sums, center  of a cell about its centre, in the volume's voxels
+    Moments operator()(const MomentSums& sums, Vec3d center) const;
+};
+
 /// Field of one volume, which must outlive it.
 LatticeField lattice_field(const Volume& volume);
 

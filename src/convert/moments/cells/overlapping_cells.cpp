@@ -410,24 +410,6 @@ void OverlappingCells::take(const MortonNode& node, OverlapScratch& scratch,
     take_leaf<8>(node, scratch, masses_only);
 }
 
-namespace {
-
-/// Map between index spaces that differ by a power of two: edge of the voxels, place of voxel 0.
-struct LatticeStep {
-    double edge = 1;
-    Vec3d first;
-};
-LatticeStep step_between(const Volume& volume, const LatticeField& field) {
-    if (field.volumes.size() == 1) return {};
-    const double ratio = voxel_volume(volume) / field.voxel_volume();
-    const Vec3d first = inverse(field.world_from_index)(volume.world_from_index.translation);
-    const auto to_half = [](double at) { return 0.5 * std::round(2 * at); };
-    return {std::exp2(std::round(std::log2(ratio) / 3)),
-            {to_half(first.x), to_half(first.y), to_half(first.z)}};
-}
-
-}  // namespace
-
 PackedCells overlapping_cells(const LatticeField& field, int edge,
                               const std::optional<Box>& period) {
     const PackedCells none(field.bricks);
@@ -436,21 +418,17 @@ PackedCells overlapping_cells(const LatticeField& field, int edge,
         const std::vector<MortonNode> nodes = morton_nodes(*volume);
         const OverlappingCells windows(*volume, nodes, edge,
                                        leaf_period(period, volume->world_from_index));
-        const LatticeStep step = step_between(*volume, field);
+        const LatticeStep to_field(*volume, field);
         const std::size_t before = parts.size();
         parts.resize(before + (nodes.size() + kNodeChunk - 1) / kNodeChunk, none);
         vog::parallel_for(before, parts.size(), [&](std::size_t part) {
             OverlapScratch scratch;
             const std::size_t first = (part - before) * kNodeChunk;
             for (std::size_t n = first; n < std::min(first + kNodeChunk, nodes.size()); ++n)
-                for_each_overlapping_cell(
-                    windows, nodes[n], scratch, false, [&](const MomentSums& sums, Vec3d center) {
-                        Moments cell = moments_of(sums);
-                        cell.mass *= step.edge * step.edge * step.edge;
-                        cell.mean = step.first + step.edge * (cell.mean + center);
-                        for (double& c : cell.covariance) c *= step.edge * step.edge;
-                        parts[part].push_back(cell);
-                    });
+                for_each_overlapping_cell(windows, nodes[n], scratch, false,
+                                          [&](const MomentSums& sums, Vec3d center) {
+                                              parts[part].push_back(to_field(sums, center));
+                                          });
         });
     }
     return joined_cells(std::move(parts), none);

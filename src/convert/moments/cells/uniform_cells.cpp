@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "convert/moments/cells/leaf_cells.h"
 #include "convert/moments/cells/octree.h"
 #include "core/parallel.h"
 
@@ -36,9 +37,23 @@ PackedCells octree_cells(const MomentOctree& octree, std::span<const Brick> bric
     return cells;
 }
 
+/// One cell for each voxel, also where seams of levels divide voxels.
+PackedCells voxel_cells(const LatticeField& field) {
+    PackedCells cells(field.bricks);
+    for (const Volume* volume : field.volumes) {
+        const LatticeStep to_field(*volume, field);
+        for (const MortonNode& node : morton_nodes(*volume))
+            for_each_cell(*volume, node, 1, [&](const MomentSums& sums, Vec3d center) {
+                cells.push_back(to_field(sums, center));
+            });
+    }
+    return cells;
+}
+
 }  // namespace
 
 PackedCells uniform_cells(const LatticeField& field, int block) {
+    if (block == 1) return voxel_cells(field);
     double largest = 1;
     for (const Brick& brick : field.bricks)
         if (brick.leaf) largest = std::max(largest, brick.spacing);
