@@ -26,9 +26,9 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
 /// What every view has, in the order of dependencies: no module of these touches anything outside of its canvas.
 constexpr const char* kViewModules[] = {
-    "vectors.js",  "camera.js",  "decoder.js", "colors.js",  "transfer.js", "clip.js",
-    "renderer.js", "light.js",   "slabs.js",   "probe.js",   "quantity.js", "request.js",
-    "link.js",     "motions.js", "input.js",   "readout.js", "viewer.js"};
+    "vectors.js", "camera.js",   "decoder.js", "colors.js", "transfer.js", "clip.js",
+    "covered.js", "renderer.js", "light.js",   "slabs.js",  "probe.js",    "quantity.js",
+    "request.js", "link.js",     "motions.js", "input.js",  "readout.js",  "viewer.js"};
 /// Those of models that are streamed.
 constexpr const char* kStreamModules[] = {"rows.js",   "cut.js",   "visibility.js", "requests.js",
                                           "source.js", "store.js", "loading.js",    "site.js"};

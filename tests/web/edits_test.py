@@ -5,7 +5,7 @@ VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, wher
 """
 import json
 
-from page_test_case import run
+from page_test_case import run, vog
 from quantities_test import RAMP, STEP
 from quantity_test_case import QuantityTest
 
@@ -102,13 +102,22 @@ class Edits(QuantityTest):
 
 
 class Motion(QuantityTest):
-    def test_slow_slabs_have_half_the_resolution_while_they_move(self):
-        self.before_pages("""globalThis.widths = [];
-            const allocate = WebGL2RenderingContext.prototype.texImage2D;
-            WebGL2RenderingContext.prototype.texImage2D = function (...list) { widths.push(list[3]); return allocate.apply(this, list); };""")
+    def test_slow_slabs_have_half_the_resolution_and_number_while_they_move(self):
+        self.before_pages("""globalThis.widths = [], globalThis.slabs = [];
+            const { texImage2D, getUniformLocation, uniform1f } = WebGL2RenderingContext.prototype, places = new Set();
+            Object.assign(WebGL2RenderingContext.prototype, {
+                texImage2D(...list) { widths.push(list[3]); return texImage2D.apply(this, list); },
+                getUniformLocation(of, name) {
+                    const place = getUniformLocation.call(this, of, name);
+                    if (name === 'slabs') places.add(place);
+                    return place;
+                },
+                uniform1f(place, value) { if (places.has(place)) slabs.push(value); uniform1f.call(this, place, value); },
+            });""")
         self.start("model.html")
         self.change(show="volume", map="inferno")
         self.assertNotIn(self.size[0] // 2, self.value("widths"))
+        self.assertEqual(self.value("[...new Set(slabs)]"), [32])
         # A frame here takes longer than 50 ms; the camera moves on until the next one has been drawn, too.
         self.value("""new Promise((done) => {
             const move = () => {
@@ -117,8 +126,39 @@ class Motion(QuantityTest):
             };
             move();
         })""" % (self.size[0] // 2))
+        self.assertEqual(self.value("[...new Set(slabs)]"), [32, 16])
         self.browser.settle()
         self.expect_page_is("model.ply", "--show", "volume", "--tf", "inferno")
+
+    def test_nothing_is_drawn_behind_opaque_pixels(self):
+        self.before_pages("""globalThis.hides = true, globalThis.queries = [];
+            const { enable, drawArraysInstanced } = WebGL2RenderingContext.prototype;
+            WebGL2RenderingContext.prototype.enable = function (what) { if (hides || what !== this.DEPTH_TEST) enable.call(this, what); };
+            WebGL2RenderingContext.prototype.drawArraysInstanced = function (...list) {
+                const query = this.createQuery();
+                this.beginQuery(this.ANY_SAMPLES_PASSED, query);
+                drawArraysInstanced.apply(this, list);
+                this.endQuery(this.ANY_SAMPLES_PASSED);
+                queries.push(() => this.getQueryParameter(query, this.QUERY_RESULT));
+            };""")
+        self.start("model.html")
+        # From within: all rays begin in what is opaque.
+        camera = self.value("vog.state.camera")
+        dense = {"name": "dense", "colors": [[0, 0.2, 0, 0.4], [3, 1, 0.8, 0.3]], "opacity": [[0, 0.9], [3, 0.9]], "unit": 0.01}
+        self.change(show="volume", transfers={"0": dense})
+        drawn = {}
+        for hides in False, True:
+            self.value(f"(globalThis.hides = {json.dumps(hides)}, queries.length = 0, true)")
+            step = 0.01 * hides  # another view draws all anew
+            self.change(camera={**camera, "eye": [4 + step, 60, 4], "at": [40 + step, 60, 30]})
+            self.value("new Promise((done) => setTimeout(done, 20))")
+            drawn[hides] = self.value("queries.slice(1).map((result) => result())")  # behind the one of the range of depths
+            self.picture(f"{hides}.png")
+        self.assertEqual([len(passes) for passes in drawn.values()], [8, 8])
+        self.assertTrue(all(drawn[False][:6]), drawn)
+        self.assertFalse(any(drawn[True][2:]), drawn)
+        found = json.loads(vog("compare", "False.png", "True.png", "--json"))
+        self.assertEqual(found["off_by_more_than_4"], 0, found)
 
 
 if __name__ == "__main__":

@@ -38,7 +38,7 @@ export class Levels {
     const state = this.view.state(), level = this.level(moving);
     if (level < 0) return { parts: [], key: -1, count: 0 };
     const entry = this.levelsOf(state.model)[level], field = fieldPlace(state), renderer = this.view.renderer();
-    entry.gpu ??= renderer.upload(entry.instances);
+    entry.gpu ??= renderer.upload(entry.instances, this.page.models[state.model].cutoff);
     if (field !== null && !entry.gpu.fields.has(field))
       renderer.uploadField(entry.gpu, field, entry.fields.get(field), this.page.models[state.model].fields[field].vector);
     const { gpu } = entry, parts = gpu.count > 0 ? [{ gpu, first: 0, count: gpu.count }] : [];

@@ -5,6 +5,7 @@ import { axesOf, halfTangent } from '../camera.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats, vectorFloats } from '../model/fields.js';
 import { sampled } from './colors.js';
+import { boxOf } from './covered.js';
 import { planesOf } from './clip.js';
 
 // Replaces OpenGL 3.3's header, "#version 330 core".
@@ -53,8 +54,7 @@ function sumFormat(gl, wantHalf) {
   if (floats && gl.getExtension('EXT_float_blend') && !wantHalf)
     return { bits: 32, one: gl.R32F, two: gl.RG32F, four: gl.RGBA32F, type: gl.FLOAT };
   if (halves) return { bits: 16, one: gl.R16F, two: gl.RG16F, four: gl.RGBA16F, type: gl.HALF_FLOAT };
-  throw new Error('this graphics driver cannot draw into floating-point images, which the ' +
-      'picture is summed up in');
+  throw new Error('this graphics driver cannot draw into floating-point images, which the picture is summed up in');
 }
 
 /** Offset of the rays of sub-frame n from pixel centres: jitter_of in apps/viewer/gl/splat_gl.cpp. */
@@ -101,10 +101,8 @@ export class Renderer {
   texture() {
     const gl = this.gl, texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-      gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T])
-      gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
     return texture;
   }
 
@@ -120,8 +118,7 @@ export class Renderer {
   target(framebuffer, textures) {
     const gl = this.gl, places = textures.map((_, n) => gl.COLOR_ATTACHMENT0 + n);
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    textures.forEach((texture, n) =>
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, places[n], gl.TEXTURE_2D, texture, 0));
+    textures.forEach((texture, n) => gl.framebufferTexture2D(gl.FRAMEBUFFER, places[n], gl.TEXTURE_2D, texture, 0));
     gl.drawBuffers(places);
     if (gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE || gl.isContextLost()) return;
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -164,11 +161,11 @@ export class Renderer {
     return buffer;
   }
 
-  // Gaussians of a model, level or chunk in the GPU's memory: {count, buffer, fields: Map of places to {buffer, vector}, arrays}. A picture shows a list of parts, [{gpu, first, count}].
+  // Gaussians of a model, level or chunk in the GPU's memory: {count, buffer, box, fields: Map of places to {buffer, vector}, arrays}. A picture shows a list of parts, [{gpu, first, count}].
 
   /** Copies instances to the GPU. */
-  upload(instances) {
-    return { count: instances.length / instanceFloats, buffer: this.filled(instances), fields: new Map(), arrays: new Map() };
+  upload(instances, cutoff) {
+    return { count: instances.length / instanceFloats, buffer: this.filled(instances), box: boxOf(instances, cutoff), fields: new Map(), arrays: new Map() };
   }
 
   /** Copies a field of uploaded instances to the GPU; `field` is its place among the model's. */
@@ -294,10 +291,15 @@ export class Renderer {
         [...along(normal), (offset - dot(normal, camera.eye)) / model.unit]));
   }
 
+  /** Pixels a unit of slope; of parallel rays, a unit of length. */
+  perUnit(model, camera) {
+    const side = Math.min(this.width, this.height);
+    return camera.span ? (side * model.unit) / camera.span : (0.5 * side) / halfTangent(camera);
+  }
+
   setScreen(used, model, camera) {
-    const { width, height } = this, side = Math.min(width, height);
-    used.set('size_px', width, height);
-    used.set('pixels_per_unit', camera.span ? (side * model.unit) / camera.span : (0.5 * side) / halfTangent(camera));
+    used.set('size_px', this.width, this.height);
+    used.set('pixels_per_unit', this.perUnit(model, camera));
     used.set('parallel', camera.span ? 1 : 0);
     used.set('jitter_px', ...jitterOf(this.subframes));
   }
@@ -347,8 +349,7 @@ export class Renderer {
   setMap(map) {
     const gl = this.gl;
     gl.bindTexture(gl.TEXTURE_2D, this.transfer);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, transferSize, 1, 0, gl.RGBA, gl.FLOAT,
-                  sampled(map, transferSize, 2));
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, transferSize, 1, 0, gl.RGBA, gl.FLOAT, sampled(map, transferSize, 2));
   }
 
   /**

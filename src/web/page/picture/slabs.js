@@ -3,6 +3,7 @@
 // range of the picture, as in src/render/splat/volume.
 import { dot, isSame, length, mul, normalized, sub } from '../vectors.js';
 import { axesOf } from '../camera.js';
+import { coveredBy } from './covered.js';
 import { ReachedLight, towardsLightCells } from './light.js';
 import { lightOf } from './transfer.js';
 
@@ -11,6 +12,7 @@ const pieceColumns = 1024;      // expected.glsl
 const layers = 4;               // images that every device draws into at once
 const slabsOf = { SLABS: 4, LIT: 2, MEANS: 8 };  // a pass, by the word of slab.frag
 const leastShare = 1e-3;        // kLeastDensityShare of render/by_value/volume_image.h
+const opaque = 1 - 2 ** -14;    // of a pixel behind which nothing is drawn: a sixtieth of a step of its colour
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
 const reachedUnit = 15;         // of textures
 const mostKept = 2 ** 29;       // bytes of kept sums: 32 slabs of a million pixels
@@ -34,7 +36,8 @@ export class Slabs {
     this.lattice = null;   // of the reached light
     this.strip = texture();
     this.densest = texture();
-    this.into = Object.fromEntries(['table', 'layers', 'ranges', 'strip', 'densest'].map((name) => [name, gl.createFramebuffer()]));
+    this.hidden = gl.createRenderbuffer();  // depths: 0 where the strip is opaque
+    this.into = Object.fromEntries(['table', 'layers', 'ranges', 'strip', 'densest', 'hidden'].map((name) => [name, gl.createFramebuffer()]));
     renderer.allocate(this.table, 4, ...tableSize);
     renderer.allocate(this.ranges, 2, 1, 1);
     this.light = null;    // {of: what the table has, ...lightOf()}
@@ -49,6 +52,13 @@ export class Slabs {
     const { renderer } = this;
     for (const texture of [...this.ring.flat(), this.strip]) renderer.allocate(texture, 4, width, rows);
     renderer.allocate(this.densest, 1, width, rows);
+    const { gl } = renderer;
+    gl.bindRenderbuffer(gl.RENDERBUFFER, this.hidden);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT16, width, rows);
+    for (const name of ['layers', 'strip', 'hidden']) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, this.into[name]);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.hidden);
+    }
   }
 
   /** Largest share of a picture's pixels whose sums have room. */
@@ -129,7 +139,21 @@ export class Slabs {
         this.lattice = this.reached.update(model, this.light, { ...what, camera });
       }
       if (!this.isDrawn(what) || this.rangesOf !== what.of) this.drawRange(parts, model, camera, what.of);
-      for (let first = 0; first < height; first += rows) this.drawStrip(parts, model, camera, what, first);
+      const [left, top, right, bottom] = coveredBy(parts, model, camera, [width, height], renderer.perUnit(model, camera));
+      try {
+        gl.enable(gl.SCISSOR_TEST);
+        for (let first = 0; first < height; first += rows) {
+          const above = Math.max(top, first), below = Math.min(bottom, first + rows);
+          if (left >= right || above >= below) continue;
+          gl.scissor(left, above - first, right - left, below - above);
+          this.drawStrip(parts, model, camera, what, first);
+          gl.scissor(left, above, right - left, below - above);
+          this.copyStrip(first, what.transfer ? '' : 'MEANS');
+        }
+      } finally {
+        gl.disable(gl.SCISSOR_TEST);
+        gl.disable(gl.DEPTH_TEST);
+      }
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     ++renderer.sums.subframes;
@@ -176,10 +200,30 @@ export class Slabs {
     gl.disable(gl.BLEND);
   }
 
+  /** Hides opaque pixels of the strip from what is drawn with the test of depths. */
+  hideOpaque() {
+    const { renderer } = this, { gl } = renderer;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.into.hidden);
+    const used = renderer.program('screen.vert', ['copy.frag'], 'OPAQUE');
+    used.use();
+    renderer.sample(used, { image: this.strip });
+    used.set('first_row', 0);
+    used.set('opaque', opaque);
+    gl.depthMask(true);
+    gl.depthFunc(gl.ALWAYS);
+    gl.depthRange(0, 0);
+    renderer.screenPass();
+    gl.depthRange(0, 1);
+    gl.depthFunc(gl.LESS);
+    gl.depthMask(false);
+  }
+
   drawStrip(parts, model, camera, what, first) {
     const { renderer } = this, { gl } = renderer;
     renderer.target(this.into.strip, [this.strip]);
-    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.depthMask(true);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.depthMask(false);
     if (what.transfer) {
       const word = wordOf(what.light), finish = renderer.program('screen.vert', finishShaders, word);
       this.setFinish(finish, model, camera, what, first);
@@ -188,21 +232,26 @@ export class Slabs {
       const nothing = Array(layers).fill(this.densest), isDrawn = this.isDrawn(what);
       renderer.target(this.into.densest, [this.densest]);
       gl.clear(gl.COLOR_BUFFER_BIT);
+      // Kept sums are whole: another transfer function may hide less.
+      const test = (hides) => (hides ? gl.enable(gl.DEPTH_TEST) : gl.disable(gl.DEPTH_TEST)), isKept = images === this.kept.images;
       // The last slab is composited with what is behind it, nothing.
       for (let pass = 0, before = nothing; pass <= passes; ++pass) {
         const now = pass < passes ? images[pass % images.length] : nothing, [before_0, before_1, before_2, before_3] = before;
+        test(!isKept);
         if (pass < passes && !isDrawn) this.drawLayers(now, parts, model, camera, what, word, first, pass * slabsOf[word]);
+        test(true);
         finish.use();
         finish.set('first_slab', (pass - 1) * slabsOf[word]);
         // Under what is in front.
         this.gather('strip', finish, now, { before_0, before_1, before_2, before_3, table, pieces, ranges }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
         before = now;
+        if (pass < passes) this.hideOpaque();
       }
-      if (images === this.kept.images) this.kept.of = what.of;
+      test(false);
+      if (isKept) this.kept.of = what.of;
     } else {
       this.drawMaximum(parts, model, camera, what, first);
     }
-    this.copyStrip(first, what.transfer ? '' : 'MEANS');
   }
 
   setFinish(used, model, camera, what, first) {

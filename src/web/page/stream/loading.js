@@ -72,11 +72,11 @@ export class Loading {
 
   /** Decodes what has come of a chunk and is not on the GPU. */
   decode(chunk, n, field) {
-    const { kept } = chunk, { center, unit, extinction, fields } = this.page.models[n];
+    const { kept } = chunk, { center, unit, extinction, cutoff, fields } = this.page.models[n];
     if (kept.shapes && !kept.gpu)
       this.once(chunk, null, ['decodeLevel', this.source.shapesOf(chunk, kept.shapes), { center, unit }, extinction], (instances, renderer) => {
         if (instances.length !== chunk.gaussians * instanceFloats) throw new Damaged();
-        kept.gpu = renderer.upload(instances);
+        kept.gpu = renderer.upload(instances, cutoff);
         if (!chunk.parent) kept.coarse ??= { instances, fields: new Map() };
         this.decode(chunk, n, field);
       });

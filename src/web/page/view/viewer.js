@@ -13,7 +13,8 @@ import { attachPointers } from '../input.js';
 
 const restMs = 200;       // time without motion or edits after which the picture counts as at rest
 const slowMs = 50;        // frames that take longer have fewer pixels during edits, where not all their sums have room
-const halfMs = 6;         // slabs have half the resolution in motion until frames take less: whole ones take up to four times as long, half of slowMs
+const halfMs = 6;         // pictures have half the resolution in motion until frames take less: whole ones take up to eight times as long, about slowMs
+const manyPixels = 1 << 19;  // from which frames of T and maps take the time of their pixels rather than of their Gaussians
 const patienceMs = 100;   // no further sub-frames after one that took longer
 
 const rangeOf = ({ reference, scale, isMeasure, background }) => ({ reference, unit: scale, isMeasure, background });
@@ -97,9 +98,12 @@ export class Viewer {
     if (!this.frame && !this.inFlight && this.ready) this.frame = requestAnimationFrame(() => this.draw());
   }
 
+  /** Whether the frame is one of a motion for which whole ones take too long. */
+  get isBrief() { return this.inMotion && this.isHalved; }
   get slabCount() {
     const { show, light } = this.state;
-    return this.page.slabs[show !== 'volume' ? 1 : light.on || light.shadows || light.occlusion ? 2 : 0];
+    const count = this.page.slabs[show !== 'volume' ? 1 : light.on || light.shadows || light.occlusion ? 2 : 0];
+    return this.isBrief ? Math.ceil(count / 2) : count;
   }
   /** What pictures are finished with after their slabs are drawn. */
   get finish() { return this.state.show === 'volume' ? [this.transfer, this.state.light, this.isDraft] : []; }
@@ -117,7 +121,7 @@ export class Viewer {
     if (inSlabs(state.show)) {
       this.slabs ??= new Slabs(renderer);
       this.slabs.add(parts, model, camera, {
-        field, transfer: this.transfer, light: state.light, clip, slabs: this.slabCount, of, keep: state.panel || this.edited,
+        field, transfer: this.transfer, light: state.light, clip, slabs: this.slabCount, of, keep: !this.inMotion && (state.panel || this.edited),
         source: rangeOf(model.fields[field]), whole: state.show === 'volume' ? this.source.whole() : null, draft: this.isDraft,
       });
     } else {
@@ -145,9 +149,9 @@ export class Viewer {
 
   drawNow() {
     const { state, renderer, canvas } = this, there = this.source.now(this.busy);
-    const kept = this.coarse && state.show === 'volume' && this.slabs?.shareKept({ light: state.light, slabs: this.slabCount }, canvas.width * canvas.height);
     this.inMotion = Boolean(this.moving);
-    const share = Math.sqrt(kept || 1) * (this.inMotion && this.isHalved && inSlabs(state.show) ? 0.5 : 1);
+    const kept = this.coarse && state.show === 'volume' && this.slabs?.shareKept({ light: state.light, slabs: this.slabCount }, canvas.width * canvas.height);
+    const isHalf = this.isBrief && (inSlabs(state.show) || canvas.width * canvas.height >= manyPixels), share = Math.sqrt(kept || 1) * (isHalf ? 0.5 : 1);
     const size = [canvas.width, canvas.height].map((n) => Math.max(1, Math.floor(share * n))), now = sumsOf(state, there.key, size, this.slabCount);
     this.count = there.count;
     renderer.choose(now.of, this.finish);
