@@ -235,7 +235,7 @@ export function elementOf(given) {
     }
 
     async #open(signal) {
-      const site = this.#files ? { manifest: 'manifest.json', base: 'https://files/', files: this.#files } : siteOf(this.src), source = placeOf(site), line = cannotRead(source);
+      const site = this.#files ? { manifest: 'manifest.json', base: 'files:/', files: this.#files } : siteOf(this.src), source = placeOf(site), line = cannotRead(source);
       if (line) return this.#fail(`${line}.`);
       const requests = new Requests({ changed() {}, away: (isAway, reason) => this.#warn(isAway ? awayLine(source.base, reason, true) : '', 0) });
       signal.addEventListener('abort', () => requests.dispose());
