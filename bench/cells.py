@@ -128,11 +128,18 @@ def main():
         model = vog.convert(data, fields=False, **options)
         spent = time.process_time() - start
         print(f"{name}: {len(model)} Gaussians, {spent:.2f} s of processor time, {error(drawn(model))}, mass {model.mass:.7g}")
+    start = time.perf_counter()
+    print(f"cells, the default search: {len(vog.convert(cells, fields=False))} Gaussians in {time.perf_counter() - start:.1f} s")
     scene = vog.Scene(cells)
     scene.render(camera, SIZE)
-    start = time.perf_counter()
-    picture = scene.render(camera, SIZE, extinction=1)
-    print(f"the cells themselves: a picture in {time.perf_counter() - start:.2f} s, {error(picture.depth.depth)}")
+    views = [{"size": SIZE, "extinction": 1}, *({"size": 512, **words} for words in (
+        {}, {"show": "mean", "field": "density"}, {"show": "maximum"}, {"show": "slice", "plane": "z=0.6"}, {"show": "volume"}
+    ))]  # fmt: skip
+    for words in views:
+        start = time.perf_counter()
+        picture = scene.render(camera, **words)
+        spent = time.perf_counter() - start
+        print(f"the cells themselves: {words} in {spent:.2f} s" + (f", {error(picture.depth.depth)}" if words["size"] == SIZE else ""))
     try:
         mesh = of_vtk(points, corners)
     except ImportError:

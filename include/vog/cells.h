@@ -51,13 +51,14 @@ struct CellNotes {
     std::uint64_t others =
         0;  ///< cells of other types: points, lines, surfaces without a thickness
 };
+/// Notes in words, one line: "a.vtu: of 800 cells 3 flat, 1 not finite left out, 2 inverted"; empty: nothing to say.
+std::string notes_text(const CellNotes& notes, const Cells& cells);
+
 /// Cells with mass, of a mesh.
 struct CellSource {
     std::shared_ptr<const Cells> cells;
     BigVector<std::uint32_t> kept;  ///< their numbers
 };
-/// Notes in words, one line: "a.vtu: of 800 cells 3 flat, 1 not finite left out, 2 inverted"; empty: nothing to say.
-std::string notes_text(const CellNotes& notes, const Cells& cells);
 
 /// Box of all finite points, world units.
 Box bounds(const Cells& cells);

@@ -1,7 +1,6 @@
 // vog/scene.h: Data of pictures: models, voxels with their fields, cells, or surfaces, shared and unchanged while pictures are made.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <variant>

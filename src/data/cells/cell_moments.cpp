@@ -177,9 +177,7 @@ CellIntegrals integrals_of(const Shape& shape, std::size_t components) {
     CellIntegrals sums;
     bool above = false, below = false;
     for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
-        const Vec3d base = c[0]->place;
-        const double volume =
-            dot(c[1]->place - base, cross(c[2]->place - base, c[3]->place - base)) / 6;
+        const double volume = six_volumes(c) / 6;
         above |= volume > 0, below |= volume < 0;
         add_tetrahedron(sums, c, volume, components);
     });

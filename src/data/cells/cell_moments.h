@@ -16,11 +16,14 @@ namespace vog::unstructured {
 /// Most values at a corner, beside density and position.
 inline constexpr std::size_t kMostValues = 3;
 
-/// A corner of a tetrahedron.
-struct Corner {
-    Vec3d place;  ///< world units, relative to the cell's centre
+/// Density and a field at a point of a cell.
+struct CellPoint {
     double density = 0;
-    std::array<double, kMostValues> value{};  ///< of one field, relative to the cell's mean
+    std::array<double, kMostValues> value{};  ///< relative to the cell's mean
+};
+/// A corner of a tetrahedron.
+struct Corner : CellPoint {
+    Vec3d place;  ///< world units, relative to the cell's centre
 };
 
 /// Corners of a cell, its faces, each with the corners in one sense around, and the centre.
@@ -70,13 +73,62 @@ void for_each_tetrahedron(const Shape& shape, const Take& take) {
             take(Corners{&corner.back(), around[k], around[(k + 1) % 4], &middle});
     }
 }
-/// Calls visit(corner, volume) for points of a tetrahedron: those of a cubic lattice of the world, or its middle where no edge is longer than
-/// the lattice's spacing.
+/// Six times the volume of a tetrahedron, below 0 where it is mirrored.
+inline double six_volumes(const std::array<const Corner*, 4>& corner) {
+    const auto edge = [&](std::size_t k) { return corner[k]->place - corner[0]->place; };
+    return dot(edge(1), cross(edge(2), edge(3)));
+}
+/// Line in a tetrahedron with a volume: barycentric coordinates are linear along it.
+class TetrahedronLine {
+  public:
+    double first, last;  ///< t of the part inside, empty unless first < last
+
+    /// origin       relative to the cell's centre
+    /// first, last  t of the part of the line that counts
+    TetrahedronLine(const std::array<const Corner*, 4>& corner, Vec3d origin, Vec3d direction,
+                    double from, double to)
+        : first(from), last(to), corner_(corner) {
+        const double volume = six_volumes(corner);
+        const Vec3d base = corner[0]->place;
+        for (std::size_t k = 1; k < 4; ++k) {
+            const Vec3d normal =
+                1 / volume *
+                cross(corner[k % 3 + 1]->place - base, corner[(k + 1) % 3 + 1]->place - base);
+            at_[k] = dot(normal, origin - base), slope_[k] = dot(normal, direction);
+            at_[0] -= at_[k], slope_[0] -= slope_[k];
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double crossing = -at_[k] / slope_[k];
+            if (slope_[k] > 0)
+                first = std::max(first, crossing);
+            else if (slope_[k] < 0)
+                last = std::min(last, crossing);
+            else if (at_[k] < 0)
+                last = first;
+        }
+    }
+    CellPoint at(double t) const {
+        CellPoint point;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double share = at_[k] + t * slope_[k];
+            point.density += share * corner_[k]->density;
+            for (std::size_t c = 0; c < kMostValues; ++c)
+                point.value[c] += share * corner_[k]->value[c];
+        }
+        return point;
+    }
+
+  private:
+    const std::array<const Corner*, 4>& corner_;
+    double at_[4] = {1}, slope_[4] = {0};
+};
+/// Calls visit(place, point, volume) for points of a tetrahedron: those of a cubic lattice of the world, or its middle where no edge is longer
+/// than the lattice's spacing.
 /// centre  of the cell, world units
+/// place   relative to it
 template <class Visit>
 void for_each_point(const std::array<const Corner*, 4>& corner, Vec3d centre, double spacing,
                     const Visit& visit) {
-    const Vec3d base = corner[0]->place;
     Box box;
     double longest = 0;
     for (const Corner* one : corner) {
@@ -84,45 +136,25 @@ void for_each_point(const std::array<const Corner*, 4>& corner, Vec3d centre, do
         for (const Corner* other : corner)
             longest = std::max(longest, length(one->place - other->place));
     }
-    const Vec3d edge[3] = {corner[1]->place - base, corner[2]->place - base,
-                           corner[3]->place - base};
-    const double six_volumes = std::abs(dot(edge[0], cross(edge[1], edge[2])));
-    if (longest <= spacing) return visit(mean_of(corner), six_volumes / 6);
-    if (six_volumes == 0) return;
+    const double volume = std::abs(six_volumes(corner)) / 6;
+    if (longest <= spacing) {
+        const Corner middle = mean_of(corner);
+        return visit(middle.place, middle, volume);
+    }
+    if (volume == 0) return;
     // Not in the middle: planes of meshes that are cubes have none of these points.
     constexpr double kPlace[3] = {0.4137, 0.5291, 0.4673};
     Vec3d shift;
     for (int axis = 0; axis < 3; ++axis)
         shift[axis] = spacing * kPlace[axis] - std::fmod(centre[axis], spacing);
-    const auto first = [&](double at, int axis) { return std::ceil((at - shift[axis]) / spacing); };
-    for (double x = first(box.lower.x, 0); spacing * x + shift.x < box.upper.x; ++x)
-        for (double y = first(box.lower.y, 1); spacing * y + shift.y < box.upper.y; ++y) {
-            // Barycentric coordinates are linear along z.
-            const Vec3d start = Vec3d{spacing * x + shift.x, spacing * y + shift.y, 0} - base;
-            double at[4] = {1}, slope[4] = {0}, low = box.lower.z, high = box.upper.z;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Vec3d normal = cross(edge[(k + 1) % 3], edge[(k + 2) % 3]);
-                const double scale = 1 / dot(edge[k], normal);
-                at[k + 1] = scale * dot(normal, start), slope[k + 1] = scale * normal.z;
-                at[0] -= at[k + 1], slope[0] -= slope[k + 1];
-            }
-            for (int k = 0; k < 4; ++k) {
-                const double crossing = -at[k] / slope[k];
-                if (slope[k] > 0) low = std::max(low, crossing);
-                if (slope[k] < 0) high = std::min(high, crossing);
-                if (slope[k] == 0 && at[k] < 0) high = low;
-            }
-            for (double n = first(low, 2); spacing * n + shift.z < high; ++n) {
-                const double z = spacing * n + shift.z;
-                Corner point{{start.x + base.x, start.y + base.y, z}};
-                for (std::size_t k = 0; k < 4; ++k) {
-                    const double share = at[k] + z * slope[k];
-                    point.density += share * corner[k]->density;
-                    for (std::size_t c = 0; c < kMostValues; ++c)
-                        point.value[c] += share * corner[k]->value[c];
-                }
-                visit(point, spacing * spacing * spacing);
-            }
+    const auto first = [&](double at, int axis) {
+        return shift[axis] + spacing * std::ceil((at - shift[axis]) / spacing);
+    };
+    for (double x = first(box.lower.x, 0); x < box.upper.x; x += spacing)
+        for (double y = first(box.lower.y, 1); y < box.upper.y; y += spacing) {
+            const TetrahedronLine line(corner, {x, y, 0}, {0, 0, 1}, box.lower.z, box.upper.z);
+            for (double z = first(line.first, 2); z < line.last; z += spacing)
+                visit(Vec3d{x, y, z}, line.at(z), spacing * spacing * spacing);
         }
 }
 /// The same of a whole cell.

@@ -102,8 +102,8 @@ class MassLattice {
             check_interrupt();
             const unstructured::Shape shape = unstructured::shape_of(*source.cells, n);
             unstructured::for_each_point(
-                shape, cell_, [&](const unstructured::Corner& point, double volume) {
-                    add(shape.centre + point.place, std::max(point.density, 0.0) * volume);
+                shape, cell_, [&](Vec3d place, const unstructured::CellPoint& at, double volume) {
+                    add(shape.centre + place, std::max(at.density, 0.0) * volume);
                 });
         }
     }

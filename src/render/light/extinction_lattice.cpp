@@ -268,10 +268,11 @@ void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,
         unstructured::Shape shape = unstructured::shape_of(cells, kept[i]);
         const double mean = unstructured::set_values(shape, cells, kept[i], values)[0];
         unstructured::for_each_point(
-            shape, 0.5 * lattice.edge, [&](const unstructured::Corner& point, double volume) {
+            shape, 0.5 * lattice.edge,
+            [&](Vec3d place, const unstructured::CellPoint& point, double volume) {
                 const double extinction = pieces(mean + point.value[0]).extinction *
                                           (own ? 1 : std::max(point.density, 0.0));
-                const Vec3d at = 1 / lattice.edge * (shape.centre + point.place - lattice.first);
+                const Vec3d at = 1 / lattice.edge * (shape.centre + place - lattice.first);
                 Vec3i cell;
                 for (int axis = 0; axis < 3; ++axis)
                     cell[axis] = std::clamp(static_cast<int>(std::lround(at[axis])), 0,

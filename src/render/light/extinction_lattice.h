@@ -54,7 +54,7 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
 void add_extinction(const Volume& volume, const VoxelField& field, const ValueTransfer& transfer,
                     ExtinctionLattice& lattice);
 
-/// Adds cells of any shape, likewise.
+/// Adds cells of any shape, to a lattice without models.
 /// kept    those with mass
 /// values  scalar, of the cells; their density itself: its extinction is not weighed by density
 void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,

@@ -54,31 +54,6 @@ double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction,
     return sum * length(direction);
 }
 
-/// Evaluates depth(origin, direction, segment) for every pixel, as the mean over its samples.
-template <class Depth>
-DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
-                       const ReferenceOptions& options) {
-    const int n = options.samples;
-    check_samples(n);
-    validate(options.clip);
-    const CameraFrame frame = frame_of(camera, width, height);
-    DepthImage image(width, height);
-    const auto offset = [&](int i) { return sample_offset(i, n); };
-    const auto along = [&](Vec3d origin, Vec3d direction) {
-        return depth(origin, direction, visible_segment(options.clip, origin, direction));
-    };
-    for_each_pixel(width, height, options.progress, [&](int column, int row) {
-        check_interrupt();
-        double sum = 0;
-        for (int y = 0; y < n; ++y)
-            for (int x = 0; x < n; ++x)
-                sum += along(frame.origin(column + offset(x), row + offset(y)),
-                             frame.direction(column + offset(x), row + offset(y)));
-        image.at(column, row) = static_cast<float>(sum / (n * n));
-    });
-    return image;
-}
-
 void check_ray(Vec3d origin, Vec3d direction) {
     if (!finite(origin) || !finite(direction) || length(direction) == 0)
         throw Error(

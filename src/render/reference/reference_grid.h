@@ -1,6 +1,8 @@
 // reference_grid.h: Data of a VoxelGrid: NanoVDB tree, transform and interpolation.
 #pragma once
 
+#include "core/parallel.h"
+#include "render/pixel_tiles.h"
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/nano_tree.h"
 #include "render/reference/reference.h"
@@ -49,5 +51,30 @@ inline Segment visible_segment(const Clipping& clip, Vec3d origin, Vec3d directi
 }
 /// Sample i of n along an edge of a pixel, from its centre.
 inline double sample_offset(int i, int n) { return (i + 0.5) / n - 0.5; }
+
+/// Evaluates depth(origin, direction, segment) for every pixel, as the mean over its samples.
+template <class Depth>
+DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
+                       const ReferenceOptions& options) {
+    const int n = options.samples;
+    check_samples(n);
+    validate(options.clip);
+    const CameraFrame frame = frame_of(camera, width, height);
+    DepthImage image(width, height);
+    const auto offset = [&](int i) { return sample_offset(i, n); };
+    const auto along = [&](Vec3d origin, Vec3d direction) {
+        return depth(origin, direction, visible_segment(options.clip, origin, direction));
+    };
+    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        check_interrupt();
+        double sum = 0;
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x)
+                sum += along(frame.origin(column + offset(x), row + offset(y)),
+                             frame.direction(column + offset(x), row + offset(y)));
+        image.at(column, row) = static_cast<float>(sum / (n * n));
+    });
+    return image;
+}
 
 }  // namespace vog::reference

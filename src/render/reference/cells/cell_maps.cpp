@@ -82,38 +82,34 @@ FieldMaps slice_cells(const CellRays& rays, const CellValues* values, FieldPart 
                       const Camera& camera, int width, int height, const SliceOptions& options) {
     check_samples(options.samples);
     validate(options.clip);
-    if (values && part == FieldPart::magnitude)
-        return magnitude_maps(options.progress, [&](FieldPart one, const Progress& progress) {
-            SliceOptions own = options;
-            own.progress = progress;
-            return slice_cells(rays, values, one, camera, width, height, own);
-        });
     const CameraFrame frame = frame_of(camera, width, height);
     const slices::SlicePoints points(frame, options.plane, options.clip);
     const Vec3d across = normalized(options.plane.normal);
     // A short way behind the plane: faces of cells on it count in one of the two.
     const Segment behind{0, 1e-8 * rays.radius()};
-    FieldMaps maps = empty_maps(width, height);
     const int samples = options.samples;
-    for_each_pixel(width, height, options.progress, [&](int column, int row) {
-        check_interrupt();
-        thread_local std::vector<CellPiece> pieces;
-        FirstRelative pixel;
-        for (int n = 0; n < samples * samples; ++n) {
-            const double x = column + sample_offset(n % samples, samples);
-            const double y = row + sample_offset(n / samples, samples);
-            const auto point = points.at(x, y);
-            if (!point) continue;
-            pieces.clear();
-            rays.add(*point, across, behind, pieces, values);
-            add_pieces(pieces, 1 / behind.last, part, normalized(frame.direction(x, y)), pixel);
-        }
-        const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                        static_cast<std::size_t>(column);
-        set_pixel(maps, at, pixel.sums, pixel.sums.column / (samples * samples), pixel.reference,
-                  1);
+    return of_part(part, options.progress, [&](FieldPart one, const Progress& progress) {
+        FieldMaps maps = empty_maps(width, height);
+        for_each_pixel(width, height, progress, [&](int column, int row) {
+            check_interrupt();
+            thread_local std::vector<CellPiece> pieces;
+            FirstRelative pixel;
+            for (int n = 0; n < samples * samples; ++n) {
+                const double x = column + sample_offset(n % samples, samples);
+                const double y = row + sample_offset(n / samples, samples);
+                const auto point = points.at(x, y);
+                if (!point) continue;
+                pieces.clear();
+                rays.add(*point, across, behind, pieces, values);
+                add_pieces(pieces, 1 / behind.last, one, normalized(frame.direction(x, y)), pixel);
+            }
+            const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                            static_cast<std::size_t>(column);
+            set_pixel(maps, at, pixel.sums, pixel.sums.column / (samples * samples),
+                      pixel.reference, 1);
+        });
+        return maps;
     });
-    return maps;
 }
 
 }  // namespace vog::reference

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "render/pixel_tiles.h"
 #include "render/reference/reference_grid.h"
 #include "vog/error.h"
 
@@ -30,46 +29,6 @@ struct Query : RTCIntersectContext {
 
 void collect(const RTCOccludedFunctionNArguments* args) {
     if (*args->valid) static_cast<Query*>(args->context)->found.push_back(args->primID);
-}
-
-/// The part of a ray in a tetrahedron, and the density and values at its ends.
-/// origin  relative to the cell's centre
-bool cross_tetrahedron(const std::array<const Corner*, 4>& corner, Vec3d origin, Vec3d direction,
-                       CellPiece& piece) {
-    const Vec3d base = corner[0]->place;
-    const Vec3d edge[3] = {corner[1]->place - base, corner[2]->place - base,
-                           corner[3]->place - base};
-    const double volume = dot(edge[0], cross(edge[1], edge[2]));
-    if (volume == 0) return false;
-    // Barycentric coordinates are linear in t: at[k] + t slope[k]; the first is 1 minus the others.
-    double at[4] = {1}, slope[4] = {0};
-    for (int k = 0; k < 3; ++k) {
-        const Vec3d normal = 1 / volume * cross(edge[(k + 1) % 3], edge[(k + 2) % 3]);
-        at[k + 1] = dot(normal, origin - base), slope[k + 1] = dot(normal, direction);
-        at[0] -= at[k + 1], slope[0] -= slope[k + 1];
-    }
-    for (int k = 0; k < 4; ++k) {
-        const double crossing = -at[k] / slope[k];
-        if (slope[k] > 0)
-            piece.segment.first = std::max(piece.segment.first, crossing);
-        else if (slope[k] < 0)
-            piece.segment.last = std::min(piece.segment.last, crossing);
-        else if (at[k] < 0)
-            return false;
-    }
-    if (piece.segment.empty()) return false;
-    const double sign = volume < 0 ? -1 : 1;
-    for (const bool last : {false, true}) {
-        CellPoint& end = last ? piece.last : piece.first;
-        for (std::size_t k = 0; k < 4; ++k) {
-            const double share =
-                at[k] + slope[k] * (last ? piece.segment.last : piece.segment.first);
-            end.density += sign * share * corner[k]->density;
-            for (std::size_t c = 0; c < kMostValues; ++c)
-                end.value[c] += share * corner[k]->value[c];
-        }
-    }
-    return true;
 }
 
 }  // namespace
@@ -162,18 +121,21 @@ void CellRays::add(Vec3d origin, Vec3d direction, Segment within, std::vector<Ce
         const std::array<double, kMostValues> mean =
             values ? set_values(shape, of.cells, cell, *values) : std::array<double, kMostValues>{};
         const std::size_t first = pieces.size();
-        double volume = 0;
+        double whole = 0;
         for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& corner) {
-            const Vec3d base = corner[0]->place;
-            volume += dot(corner[1]->place - base,
-                          cross(corner[2]->place - base, corner[3]->place - base));
-            CellPiece piece{within, cell};
-            if (cross_tetrahedron(corner, origin - shape.centre, direction, piece))
-                pieces.push_back(piece);
+            const double volume = six_volumes(corner);
+            whole += volume;
+            if (volume == 0) return;
+            const TetrahedronLine line(corner, origin - shape.centre, direction, within.first,
+                                       within.last);
+            if (!(line.first < line.last)) return;
+            CellPiece piece{{line.first, line.last}, cell, line.at(line.first), line.at(line.last)};
+            if (volume < 0) piece.first.density *= -1, piece.last.density *= -1;
+            pieces.push_back(piece);
         });
         for (std::size_t k = first; k < pieces.size(); ++k)
             for (CellPoint* end : {&pieces[k].first, &pieces[k].last}) {
-                if (volume < 0) end->density *= -1;
+                if (whole < 0) end->density *= -1;
                 for (std::size_t c = 0; c < kMostValues; ++c) end->value[c] += mean[c];
             }
     }
@@ -181,30 +143,18 @@ void CellRays::add(Vec3d origin, Vec3d direction, Segment within, std::vector<Ce
 
 DepthImage render_cells_reference(const CellRays& rays, const Camera& camera, int width, int height,
                                   const ReferenceOptions& options) {
-    check_samples(options.samples);
-    validate(options.clip);
-    const CameraFrame frame = frame_of(camera, width, height);
-    DepthImage image(width, height);
-    const int samples = options.samples;
-    for_each_pixel(width, height, options.progress, [&](int column, int row) {
-        check_interrupt();
-        thread_local std::vector<CellPiece> pieces;
-        double sum = 0;
-        for (int n = 0; n < samples * samples; ++n) {
-            const double x = column + sample_offset(n % samples, samples);
-            const double y = row + sample_offset(n / samples, samples);
-            const Vec3d origin = frame.origin(x, y), direction = frame.direction(x, y);
+    return render_rays(
+        [&](Vec3d origin, Vec3d direction, Segment within) {
+            thread_local std::vector<CellPiece> pieces;
             pieces.clear();
-            rays.add(origin, direction, visible_segment(options.clip, origin, direction), pieces);
+            rays.add(origin, direction, within, pieces);
             double along = 0;
             for (const CellPiece& piece : pieces)
                 along += (piece.segment.last - piece.segment.first) / 2 *
                          (piece.first.density + piece.last.density);
-            sum += along * length(direction);
-        }
-        image.at(column, row) = static_cast<float>(std::max(sum / (samples * samples), 0.0));
-    });
-    return image;
+            return std::max(along * length(direction), 0.0);
+        },
+        camera, width, height, options);
 }
 
 }  // namespace vog::reference

@@ -1,7 +1,6 @@
 // cell_rays.h: Ground truth of meshes: exact chords of rays through the tetrahedra of each cell (vog/cells.h), in which values are linear.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,16 +13,14 @@
 
 namespace vog::reference {
 
-/// Density and a field at a point of a ray.
-struct CellPoint {
-    double density = 0;  ///< below 0 in the inverted parts of a tangled cell
-    std::array<double, unstructured::kMostValues> value{};
-};
+using unstructured::CellPoint;
+
 /// Piece of a ray in a tetrahedron of a cell.
 struct CellPiece {
     Segment segment;
     std::uint32_t cell = 0;
-    CellPoint first{}, last{};  ///< at the ends, linear between
+    /// At the ends, linear between; densities are below 0 in the inverted parts of a tangled cell.
+    CellPoint first{}, last{};
 
     /// share  of the way from the first end to the last, [0, 1]
     CellPoint at(double share) const;

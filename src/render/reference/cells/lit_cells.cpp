@@ -40,7 +40,7 @@ std::vector<Vec3f> gradients(const CellRays& rays, const CellValues& values) {
         for_each_tetrahedron(shape, [&](const std::array<const Corner*, 4>& c) {
             const auto edge = [&](std::size_t k) { return c[k]->place - c[0]->place; };
             const auto rise = [&](std::size_t k) { return c[k]->value[0] - c[0]->value[0]; };
-            whole += dot(edge(1), cross(edge(2), edge(3)));
+            whole += six_volumes(c);
             sum = sum + rise(1) * cross(edge(2), edge(3)) + rise(2) * cross(edge(3), edge(1)) +
                   rise(3) * cross(edge(1), edge(2));
         });
@@ -49,7 +49,8 @@ std::vector<Vec3f> gradients(const CellRays& rays, const CellValues& values) {
     return all;
 }
 
-/// Calls part(first, last) for shares of the way between two values, in each of which light is near that of its middle.
+/// Divides the way between two values into parts so short that the light in the middle of each stands for the whole part.
+/// part  called with shares of the way, [0, 1]
 template <class Part>
 void each_part(const std::vector<device::ValuePiece>& pieces, double from, double to,
                const Part& part) {
