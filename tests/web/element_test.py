@@ -127,7 +127,7 @@ class Pictures(ElementTest):
         self.assertEqual(self.value("errors()"), [])
 
     def test_two_elements_have_models_and_words_of_their_own(self):
-        self.host('<vog-view src="plume.vogz" tf="viridis"></vog-view><vog-view src="flow.vogz" show="mean" field="temperature" background="white" subframes="1"></vog-view>')
+        self.host('<vog-view src="plume.vogz" tf="viridis" subframes="1"></vog-view><vog-view src="flow.vogz" show="mean" field="temperature" background="white" subframes="1"></vog-view>')
         self.value("view(1).ready.then(() => true)")
         self.assertEqual(self.value("[view(0), view(1)].map(({ models, tf, show, field }) => [models[0].name, models[0].fields.length, tf, show, field])"),
                          [["plume", 1, "viridis", "T", None], ["flow", 2, "ember", "mean", "temperature"]])
