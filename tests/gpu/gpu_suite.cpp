@@ -13,8 +13,11 @@
 #include <optional>
 
 #include "option_checks.h"
+#include "option_scene.h"
 #include "pfm.h"
+#include "render/gpu/chords/gpu_pictures.h"
 #include "render/gpu/gpu.h"
+#include "render/shown_field.h"
 #include "support/scenes.h"
 #include "vog/ply.h"
 
@@ -186,6 +189,41 @@ void bench_model(const std::string& name, const Gaussians& model, std::vector<Ro
     }
 }
 
+/// Maps, volumes and maxima of options.ply, whose transfer function the GPU has after the first picture.
+void bench_pictures(const std::filesystem::path& folder, std::vector<Row>& rows) {
+    const Gaussians model = read_ply(folder / "options.ply");
+    const ScalarField& field = model.fields.scalar.front();
+    const FieldChoice choice{field.name, FieldPart::value};
+    const Camera camera = paper_view(view_box(model));
+    const ValueTransfer transfer = option_transfer(field, view_box(model).radius() / 50);
+    VolumeLook lit = option_look(model);
+    lit.clip = {};
+    std::vector<Renderer> gpus{Renderer::cuda};
+#ifdef VOG_OPTIX
+    gpus.push_back(Renderer::optix);
+#endif
+    for (const Renderer gpu : gpus) {
+        GpuPictures pictures(gpu, model);
+        const auto time = [&](const std::string& what, const std::function<void(int, int)>& draw) {
+            for (const auto& [width, height] : kSizes)
+                rows.push_back(measure(std::string(info_of(gpu).name) + "_" + what, "options",
+                                       model.size(), width, height, [&](int w, int h) {
+                                           draw(w, h);
+                                           return pictures.gpu_ms();
+                                       }));
+        };
+        time("clipped_T",
+             [&](int w, int h) { (void)pictures.depth(camera, w, h, option_clip(model)); });
+        time("mean", [&](int w, int h) { (void)pictures.fields(choice, camera, w, h); });
+        time("volume",
+             [&](int w, int h) { (void)pictures.volume(field.name, transfer, camera, w, h); });
+        time("lit_volume", [&](int w, int h) {
+            (void)pictures.volume(field.name, transfer, camera, w, h, 32, lit);
+        });
+        time("maximum", [&](int w, int h) { (void)pictures.maximum(field.name, camera, w, h); });
+    }
+}
+
 void bench(const std::filesystem::path& folder, const std::filesystem::path& out) {
     std::vector<Row> rows;
     for (const std::string& name : kModels)
@@ -193,6 +231,7 @@ void bench(const std::filesystem::path& folder, const std::filesystem::path& out
     // A synthetic model as dense on screen as a fine one, each Gaussian a few pixels wide.
     bench_model("random1M", random_gaussians(1'000'000, 0.002, 0.006, 31), rows);
     bench_model("random5M", random_gaussians(5'000'000, 0.001, 0.004, 32), rows);
+    bench_pictures(folder, rows);
 #ifdef VOG_OPTIX
     const VoxelFile voxels(folder / "voxels.nvdb");
     OptixVolume volume(voxels.bytes());

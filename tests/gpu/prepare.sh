@@ -10,7 +10,7 @@ build=${3:-build/release}
 cmake --build "$build" --target vog_gpu_prepare
 "$build/tests/vog_gpu_prepare" "$volume" "$folder"
 mkdir -p "$folder/include"
-for headers in nanovdb fmt nlohmann; do
+for headers in nanovdb fmt hwy nlohmann; do
     cp -r "/usr/include/$headers" "$folder/include/"
 done
 du -sh "$folder"

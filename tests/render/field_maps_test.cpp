@@ -13,7 +13,7 @@
 #include "render/gpu/chords/gpu_pictures.h"
 #include "render/shown_field.h"
 #include "render/splat/fields/field_splat.h"
-#include "support/emulated_gpu.h"
+#include "support/gpus.h"
 #include "support/expected_maps.h"
 #include "support/scenes.h"
 #include "vog/error.h"
@@ -93,7 +93,7 @@ std::vector<std::pair<std::string, Render>> cpu_renderers() {
 }
 std::vector<std::pair<std::string, Render>> all_renderers() {
     std::vector<std::pair<std::string, Render>> all = cpu_renderers();
-    for (const EmulatedGpu& gpu : emulated_gpus())
+    for (const Gpu& gpu : gpus())
         all.emplace_back(
             gpu.name, [gpu](const Gaussians& model, const FieldChoice& choice, const Camera& camera,
                             int width, int height, const Clipping& clip) {

@@ -10,7 +10,7 @@
 #include "render/splat/splat.h"
 #include "render/trace/trace.h"
 #include "support/device_twin.h"
-#include "support/emulated_gpu.h"
+#include "support/gpus.h"
 #include "support/scenes.h"
 #include "vog/progress.h"
 
@@ -52,7 +52,7 @@ std::vector<NamedRenderer> all_renderers() {
     trace("trace_collect", {.anyhit = AnyHit::collect});
     trace("trace_collect_by_16", {.anyhit = AnyHit::collect, .hits_per_slab = 16});
     all.push_back({"tile_splat_twin", render_tile_splat_twin});
-    for (auto& [name, render] : emulated_gpu_renderers())
+    for (auto& [name, render] : gpu_renderers())
         all.push_back({std::move(name), std::move(render)});
     return all;
 }

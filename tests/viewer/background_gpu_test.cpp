@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "session/background_renderer.h"
-#include "support/emulated_gpu.h"
+#include "support/gpus.h"
 #include "viewer/field_model.h"
 
 namespace vog::test {
@@ -24,8 +24,7 @@ RenderedPicture picture_of(BackgroundRenderer& background, const RenderRequest& 
 }
 
 TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
-    const auto gpus = emulated_gpus();
-    if (gpus.empty()) GTEST_SKIP() << "needs a GPU, or a build with VOG_EMULATED_GPU";
+    if (gpus().empty()) GTEST_SKIP() << "needs a GPU, or a build with VOG_EMULATED_GPU";
     BackgroundRenderer background;
     RenderRequest request;
     PictureKey& what = request.what;
@@ -61,7 +60,7 @@ TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
                 for (const float value : expected.sums.value)
                     norm2 += double{value} * double{value};
                 ASSERT_GT(norm2, 0);
-                for (const EmulatedGpu& gpu : gpus) {
+                for (const Gpu& gpu : gpus()) {
                     gpu.prepare();
                     what.renderer = gpu.renderer == Renderer::cuda ? WindowRenderer::cuda
                                                                    : WindowRenderer::optix;

@@ -11,7 +11,7 @@
 #include "render/reference/reference.h"
 #include "render/splat/volume/volume_splat.h"
 #include "render/trace/trace.h"
-#include "support/emulated_gpu.h"
+#include "support/gpus.h"
 #include "support/field_models.h"
 #include "support/model_psnr.h"
 #include "support/scenes.h"
@@ -253,7 +253,7 @@ TEST(light, every_renderer_of_models_has_the_same_light) {
             const VolumeImage trace = render_volume_trace(model, field.name, transfer, camera,
                                                           kEdge, kEdge, {}, {}, look);
             EXPECT_GT(psnr(splat, trace), 45);
-            for (const EmulatedGpu& gpu : emulated_gpus()) {
+            for (const Gpu& gpu : gpus()) {
                 gpu.prepare();
                 const VolumeImage picture =
                     GpuPictures(gpu.renderer, model)
@@ -279,7 +279,7 @@ TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
     camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
     const VolumeImage splat =
         render_volume_splat(model, field.name, opaque, camera, kEdge, kEdge, options);
-    for (const EmulatedGpu& gpu : emulated_gpus()) {
+    for (const Gpu& gpu : gpus()) {
         gpu.prepare();
         const VolumeImage picture =
             GpuPictures(gpu.renderer, model)

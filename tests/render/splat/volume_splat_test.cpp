@@ -9,7 +9,7 @@
 #include "render/gpu/chords/gpu_pictures.h"
 #include "render/splat/volume/volume_splat.h"
 #include "render/trace/trace.h"
-#include "support/emulated_gpu.h"
+#include "support/gpus.h"
 #include "support/field_models.h"
 #include "support/model_psnr.h"
 #include "support/scenes.h"
@@ -77,7 +77,7 @@ VolumeImage traced(const Gaussians& model, const ValueTransfer& transfer, const 
 /// By depth slabs.
 std::vector<Draw> slab_draws() {
     std::vector<Draw> all{splatted};
-    for (const EmulatedGpu& gpu : emulated_gpus())
+    for (const Gpu& gpu : gpus())
         all.emplace_back([gpu](const Gaussians& model, const ValueTransfer& transfer,
                                const Camera& camera, int width, int height,
                                const VolumeLook& look) {

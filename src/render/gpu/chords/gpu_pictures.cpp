@@ -274,7 +274,8 @@ void GpuPictures::State::draw_slabs(const ScalarField& field, const ValueTransfe
     }
     picture.slabs.light.parts_per_cell = static_cast<float>(slabs) / device::kDepthCells;
     picture.slabs.look = blinn_phong(look);
-    picture.slabs.most_share = static_cast<float>(most_share_per_density(field) / model.unit);
+    picture.slabs.most_share =
+        static_cast<float>(most_share_per_density(field) * model.depth_unit / model.unit);
     picture.slabs.least_share = static_cast<float>(kLeastDensityShare);
     picture.slabs.colors = result.data();
     draw(picture);

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "emulation/emulation.h"
 #include "render/gpu/voxels/gpu_volumes.h"
-#include "support/emulated_gpu.h"
+#include "support/gpus.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/refusal.h"
@@ -136,16 +135,17 @@ void expect_same(const VolumeImage& found, const VolumeImage& expected) {
     EXPECT_GT(most, 0.05F);
 }
 
-class gpu_volumes : public testing::Test {
+class gpu_volumes : public GpuTest {
   protected:
-    void TearDown() override {
-        emulation::set_traversal(emulation::Traversal::plain);
-        EXPECT_EQ(emulation::allocated(), 0u) << "GPU memory that a renderer has kept";
+    void SetUp() override {
+        GpuTest::SetUp();
+        if (!IsSkipped() && gpus().back().renderer != Renderer::optix)
+            GTEST_SKIP() << "needs OptiX";
     }
     /// Calls body in every way of traversing a hierarchy.
     template <class Body>
     static void each_traversal(const Body& body) {
-        for (const EmulatedGpu& gpu : emulated_gpus()) {
+        for (const Gpu& gpu : gpus()) {
             if (gpu.renderer != Renderer::optix) continue;
             SCOPED_TRACE(gpu.name);
             gpu.prepare();
