@@ -25,6 +25,7 @@ enum class FieldPart {
 struct FieldChoice {
     std::string field;
     FieldPart part = FieldPart::value;
+    friend bool operator==(const FieldChoice&, const FieldChoice&) = default;
 };
 
 /// Reads "temperature", "velocity" (the component along the view), "velocity.x" or "velocity.magnitude".

@@ -12,6 +12,13 @@ namespace vog::viewer {
 
 class GpuUpload {
   public:
+    GpuUpload() = default;
+    /// Of pictures that are copied even where they could be shared.
+    static GpuUpload by_copies() {
+        GpuUpload upload;
+        upload.stays_on_gpu_ = false;
+        return upload;
+    }
     /// Whether pictures are to stay in GPU memory: asked of the current context once.
     bool stays_on_gpu();
     /// Fills the target, which has the size of the sums. A buffer that cannot be shared ends sharing; the picture is copied.

@@ -23,8 +23,7 @@ struct SlabPicture {
     MeanLight light;
     BlinnPhong look;
     LightLattice lattice;  ///< scene units
-    float
-        most_share;  ///< of a maximum: largest share of the field's range for a sum of 1 in one scene unit of depth
+    float most_share;      ///< of a maximum: largest share for a sum of 1 in a scene unit of a ray
     float least_share;  ///< and of the largest density on the ray, below which means do not count
     float*
         colors;  ///< [height * width][4] premultiplied colour and alpha; maximum: the share, -1: none
@@ -147,21 +146,22 @@ struct LargestMean {
     float densest, largest;  ///< largest sum of a slab; largest share, -1: none
 };
 /// In a first sweep over all slabs the densest, in a second the largest mean of those that count.
-VOG_HD void include(const float* sum, const SlabPicture& p, const RaySlabs& slabs, bool second,
-                    LargestMean& of) {
+VOG_HD void include(const float* sum, const SlabPicture& p, const RaySlabs& slabs, float slant,
+                    bool second, LargestMean& of) {
     const float weight = sum[kTau];
     if (!second) {
         of.densest = fmaxf(of.densest, weight);
         return;
     }
     if (!(weight > 0 && weight >= p.least_share * of.densest)) return;
-    const float most = p.most_share * weight / slabs.depth;
+    const float most = p.most_share * weight / (slabs.depth * slant);
     of.largest = fmaxf(of.largest, fminf(fmaxf(fminf(sum[kFirst] / weight, most), 0.0f), 1.0f));
 }
 
 /// The slabs of a picture along one ray.
 struct SlabsOfRay {
     RaySlabs slabs;
+    float slant;
     LitRay ray;
     SlabLine line;
     LargestMean largest;
@@ -173,7 +173,7 @@ struct SlabsOfRay {
     /// Takes the sums of the next slab of a sweep.
     VOG_HD void add(const SlabPicture& p, const float* sum, int32_t sweep) {
         if (p.channels == kMaximumChannels)
-            include(sum, p, slabs, sweep == 1, largest);
+            include(sum, p, slabs, slant, sweep == 1, largest);
         else
             line.add(p.light, ray, moments_of(sum, p.channels == kLitChannels));
     }
@@ -192,7 +192,7 @@ VOG_HD SlabsOfRay slabs_of_ray(const SlabPicture& p, const ChordRay& ray) {
     const double thickness = slabs.thickness, front = slabs.front;
     const LitRay lit{p.look, p.lattice, -1.0 * along,
                      ray.ray.origin + (front + 0.5 * thickness) * along, thickness * along};
-    return {slabs, lit, empty_line(), {0, -1}};
+    return {slabs, ray.slant, lit, empty_line(), {0, -1}};
 }
 
 }  // namespace vog::device

@@ -45,7 +45,7 @@ FieldMaps GpuPictures::fields(const FieldChoice&, const Camera&, int, int, const
     return {};
 }
 VolumeImage GpuPictures::volume(const std::string&, const ValueTransfer&, const Camera&, int, int,
-                                int, const VolumeLook&) {
+                                int, const VolumeLook&, std::vector<Rgba>) {
     return {};
 }
 ValueMap GpuPictures::maximum(const std::string&, const Camera&, int, int, int, const Clipping&) {

@@ -99,9 +99,9 @@ class GpuModelPictures : public SourceRenderer {
                 const Progress& progress) override {
         GpuPictures& pictures = prepared(picture);
         const PictureRequest& request = picture.request;
-        image =
-            pictures.volume(picture.field.field, picture.chosen.transfer, picture.camera(),
-                            request.width, request.height, depth_slabs(request), look_of(picture));
+        image = pictures.volume(picture.field.field, picture.chosen.transfer, picture.camera(),
+                                request.width, request.height, depth_slabs(request),
+                                look_of(picture), std::move(image.pixel));
         report.gpu_ms = pictures.gpu_ms();
         if (progress) progress(1);
     }

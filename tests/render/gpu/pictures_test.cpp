@@ -147,7 +147,7 @@ TEST_F(gpu_pictures, of_maxima_are_those_of_the_splat) {
     for (std::size_t i = 0; i < model.size(); ++i) {
         own.value[i] = 0.7f * model.density[i], own.gradient[i] = {},
         own.deviation[i] = 0.1f * own.value[i];
-        own.upper = std::max(own.upper, model.density[i]);
+        own.upper = std::max(own.upper, double{model.density[i]});
     }
     model.fields.scalar.push_back(std::move(own));
     auto all = all_pictures(model);

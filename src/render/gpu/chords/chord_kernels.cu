@@ -148,17 +148,20 @@ __global__ void __launch_bounds__(kBlock) chord_sums_kernel(ChordPicture p) {
 }
 
 /// Slabs that a thread adds up at once, in its registers; a tile's Gaussians are read once for each such group.
-constexpr int kSlabGroup = 4;
+template <int kChannels>
+constexpr int kSlabGroup = kChannels == device::kMaximumChannels ? 16
+                           : kChannels == device::kUnlitChannels ? 8
+                                                                 : 4;
 
 /// Sums of a group of slabs.
 template <int kChannels>
 __device__ void add_group(const ChordPicture& p, const TileEntries& entries, const TilePlace& at,
                           const device::ChordRay& ray, const device::RaySlabs& slabs,
                           device::Float3 direction, int group, ChordBatch& batch, float* sums) {
-    const bool is_first = group == 0, is_last = group + kSlabGroup >= slabs.count;
+    const bool is_first = group == 0, is_last = group + kSlabGroup<kChannels> >= slabs.count;
     // Depths of the group's front and back.
     const float front = slabs.first + static_cast<float>(group) * slabs.depth;
-    const float back = front + static_cast<float>(kSlabGroup) * slabs.depth;
+    const float back = front + static_cast<float>(kSlabGroup<kChannels>) * slabs.depth;
     const float margin = 1e-3f * slabs.depth;  // more than the rounding of depths
     for (std::int64_t begin = 0; begin < entries.count; begin += ChordBatch::kCount) {
         const std::int64_t left = entries.count - begin;
@@ -181,7 +184,8 @@ __device__ void add_group(const ChordPicture& p, const TileEntries& entries, con
             const device::ValueAlong along =
                 batch.splat[n].widened ? device::widened_value(value, batch.gaussian[n], p.within)
                                        : device::value_along(value, chord, direction);
-            device::add_parts<kChannels>(chord, value, along, slabs, group, 0, kSlabGroup, sums);
+            device::add_parts<kChannels>(chord, value, along, slabs, group, 0,
+                                         kSlabGroup<kChannels>, sums);
         }
     }
 }
@@ -197,12 +201,13 @@ __global__ void __launch_bounds__(kBlock) slabs_kernel(ChordPicture p) {
     device::SlabsOfRay of_ray = device::slabs_of_ray(p.slabs, ray);
     const bool inside = in_picture(p, at);
     for (int sweep = 0; sweep < of_ray.sweeps(p.slabs); ++sweep)
-        for (int group = 0; group < of_ray.slabs.count; group += kSlabGroup) {
+        for (int group = 0; group < of_ray.slabs.count; group += kSlabGroup<kChannels>) {
             if (!__syncthreads_or(inside && !of_ray.dark())) break;
-            float sums[kSlabGroup * kChannels] = {};
+            float sums[kSlabGroup<kChannels> * kChannels] = {};
             add_group<kChannels>(p, entries, at, ray, of_ray.slabs, direction, group, batch, sums);
             VOG_UNROLL
-            for (int n = 0; n < kSlabGroup; ++n) of_ray.add(p.slabs, sums + n * kChannels, sweep);
+            for (int n = 0; n < kSlabGroup<kChannels>; ++n)
+                of_ray.add(p.slabs, sums + n * kChannels, sweep);
         }
     if (inside) of_ray.write(p.slabs, pixel_of(p, at));
 }

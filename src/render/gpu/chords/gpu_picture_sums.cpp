@@ -32,9 +32,9 @@ void GpuPictures::fields(const FieldChoice& choice, const SumsUnit& unit, const 
     pass.magnitude = parts.size() > 1 ? 1 : 0;
     double ms = 0;
     for (const FieldPart part : parts) {
-        const ShownField shown = s.shown({choice.field, part}, frame);
+        const ShownField shown = s.load_field({choice.field, part}, frame);
         if (s.count == 0) return sums.state().clear();
-        s.draw_fields(shown, frame, clip);
+        s.draw_fields(frame, clip);
         ms += s.timer.ms();
         pass.from = s.result.data();
         pass.scale = shown.unit / unit.unit;

@@ -168,13 +168,20 @@ DepthImage GpuPictures::depth(const Camera& camera, int width, int height, const
     return image;
 }
 
-void GpuPictures::State::draw_fields(const ShownField& shown, const CameraFrame& frame,
-                                     const Clipping& clip) {
-    const std::size_t pixels =
-        static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
-    const TraceField field = trace_field(shown, gaussians.size(), model.unit);
+ShownField GpuPictures::State::load_field(const FieldChoice& choice, const CameraFrame& frame) {
+    // The component along the view differs from view to view.
+    if (shown && choice == shown->first && choice.part != FieldPart::view) return shown->second;
+    shown.reset();  // in case of an error
+    const ShownField made = shown_field(gaussians, choice, frame, std::sqrt(double{model.cutoff2}));
+    const TraceField field = trace_field(made, gaussians.size(), model.unit);
     scalar = GpuArray(field.scalar, "planes of the field");
     vector = GpuArray(field.vector, "planes of the field");
+    return shown.emplace(choice, made).second;
+}
+
+void GpuPictures::State::draw_fields(const CameraFrame& frame, const Clipping& clip) {
+    const std::size_t pixels =
+        static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
     result.reserve(3 * pixels, "the picture");
     device::ChordPicture picture = begin(frame, clip);
     picture.scalar = scalar.data();
@@ -199,12 +206,12 @@ FieldMaps GpuPictures::fields(const FieldChoice& choice, const Camera& camera, i
     }
     State& s = *state_;
     const CameraFrame frame = s.frame_for(camera, width, height);
-    const ShownField shown = s.shown(choice, frame);
+    const ShownField shown = s.load_field(choice, frame);
     FieldMaps maps = empty_maps(width, height);
     validate(clip);
     if (s.count == 0) return maps;
     const std::size_t pixels = maps.column.size();
-    s.draw_fields(shown, frame, clip);
+    s.draw_fields(frame, clip);
     const std::vector<float> sums = s.fetch(3 * pixels);
     vog::parallel_for(0, height, [&](int row) {
         for (int column = 0; column < width; ++column) {
@@ -291,20 +298,22 @@ const ScalarField& GpuPictures::State::slab_field(const std::string& field, int 
 
 VolumeImage GpuPictures::volume(const std::string& field, const ValueTransfer& transfer,
                                 const Camera& camera, int width, int height, int slabs,
-                                const VolumeLook& look) {
+                                const VolumeLook& look, std::vector<Rgba> memory) {
     State& s = *state_;
     const ScalarField& values = s.slab_field(field, slabs);
     validate(look);
     validate(transfer);
     const CameraFrame frame = s.frame_for(camera, width, height);
-    VolumeImage image{width, height, {}};
+    VolumeImage image{width, height, std::move(memory)};
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    image.pixel.assign(pixels, Rgba{0, 0, 0, 0});
-    if (s.count == 0) return image;
+    if (s.count == 0) {
+        image.pixel.assign(pixels, Rgba{0, 0, 0, 0});
+        return image;
+    }
+    image.pixel.resize(pixels);
     s.draw_slabs(values, &transfer, frame, slabs, look);
-    const std::vector<float> colors = s.fetch(4 * pixels);
-    for (std::size_t n = 0; n < pixels; ++n)
-        image.pixel[n] = {colors[4 * n], colors[4 * n + 1], colors[4 * n + 2], colors[4 * n + 3]};
+    static_assert(sizeof(Rgba) == 4 * sizeof(float) && offsetof(Rgba, a) == 3 * sizeof(float));
+    s.fetch(&image.pixel.data()->r, 4 * pixels);
     return image;
 }
 
@@ -322,8 +331,9 @@ ValueMap GpuPictures::maximum(const std::string& field, const Camera& camera, in
     if (s.count == 0) return map;
     s.draw_slabs(values, nullptr, frame, slabs, look);
     const std::vector<float> shares = s.fetch(4 * pixels);
-    for (std::size_t n = 0; n < pixels; ++n)
+    vog::parallel_for(std::size_t{0}, pixels, [&](std::size_t n) {
         if (shares[4 * n] >= 0) map.value[n] = value_of_share(values, double{shares[4 * n]});
+    });
     return map;
 }
 

@@ -37,10 +37,11 @@ class GpuPictures {
                      const Clipping& clip = {});
     /// As SlabRenderer: the same slabs, to rounding. The light of one field and transfer function is kept.
     /// slabs   1 to 1024
+    /// memory  for the pixels
     /// throws  vog::Error as SlabRenderer does
     VolumeImage volume(const std::string& field, const ValueTransfer& transfer,
                        const Camera& camera, int width, int height, int slabs = 32,
-                       const VolumeLook& look = {});
+                       const VolumeLook& look = {}, std::vector<Rgba> memory = {});
     /// As render_maximum_splat.
     /// throws  vog::Error as it does
     ValueMap maximum(const std::string& field, const Camera& camera, int width, int height,

@@ -1,7 +1,6 @@
 // gpu_pictures_state.h: A model of GpuPictures in GPU memory, and the buffers of its pictures.
 #pragma once
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +31,7 @@ struct GpuPictures::State {
     gpu::GpuArray<device::HalfSpace> planes;
     gpu::GpuArray<device::ScalarPlane> scalar;
     gpu::GpuArray<device::VectorPlane> vector;
+    std::optional<std::pair<FieldChoice, ShownField>> shown;  ///< of `scalar` and `vector`
     gpu::GpuArray<device::SplatValue> splat_values;
     std::optional<std::string> values_field;  ///< whose `splat_values` are
     gpu::GpuArray<device::LightPiece> pieces;
@@ -55,6 +55,7 @@ struct GpuPictures::State {
                          gpu::lattice(size, &SumsSize::height));
     }
     device::ChordPicture begin(const CameraFrame& frame, const Clipping& clip);
+    ShownField load_field(const FieldChoice& choice, const CameraFrame& frame);
     void load_values(const ScalarField& field);
     void load_light(const ScalarField& field, const ValueTransfer& transfer);
     device::LightLattice load_reached(const ScalarField& field, const VolumeLook& look,
@@ -63,18 +64,18 @@ struct GpuPictures::State {
     void draw(device::ChordPicture picture);
     /// Draws a model that is not empty; the result is column, or column, mean and deviation in the unit of the shown field.
     void draw_depth(const CameraFrame& frame, const Clipping& clip);
-    void draw_fields(const ShownField& shown, const CameraFrame& frame, const Clipping& clip);
-    ShownField shown(const FieldChoice& choice, const CameraFrame& frame) const {
-        return shown_field(gaussians, choice, frame, std::sqrt(double{model.cutoff2}));
-    }
+    void draw_fields(const CameraFrame& frame, const Clipping& clip);
     /// by  null: the maximum
     void draw_slabs(const ScalarField& field, const ValueTransfer* by, const CameraFrame& frame,
                     int slabs, const VolumeLook& look);
     /// The scalar field of a picture by value. throws vog::Error for slabs out of range, a field that the model lacks
     const ScalarField& slab_field(const std::string& field, int slabs) const;
+    void fetch(float* to, std::size_t floats) const {
+        result.copy_to(to, floats, "fetching the picture");
+    }
     std::vector<float> fetch(std::size_t floats) const {
         std::vector<float> values(floats);
-        result.copy_to(values.data(), floats, "fetching the picture");
+        fetch(values.data(), floats);
         return values;
     }
 };
