@@ -30,7 +30,7 @@ PUBLIC_HEADERS = {
     "shade": "exposure quantity shade value_transfer",
     "render": "clip field_maps periodic picture picture_record renderer request_schema scene volume_picture",
     "compare": "compare compare_maps vogz_fit",
-    "convert": "budget_search convert convert_cells convert_fields convert_labels convert_moments convert_paper convert_points",
+    "convert": "budget_search conversion_schema convert convert_cells convert_fields convert_labels convert_moments convert_paper convert_points",
     "voxelize": "voxelize",
     "evaluate": "evaluate",
     "web": "export_html",

@@ -94,18 +94,6 @@ constexpr std::size_t default_count(std::size_t voxels) {
 /// Default soft_steps for a budget and for each model in the search for an error.
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 
-/// How cells are chosen, as commands and bindings get it: at most one member is not 0. All 0: the
-/// conversion's default.
-struct CellChoice {
-    int block_voxels = 0;    ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128
-    std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians
-    double error = 0;        ///< adaptive cut: largest measured error, (0, 1)
-    int lod = 0;             ///< level of detail as in moment_lod or point_lod, 1 to 5
-};
-/// Sets the options by which cells are chosen.
-/// throws  vog::Error if two ways are given: "block and budget exclude each other"
-void set_cut(MomentOptions& options, const CellChoice& cut);
-
 /// Cells of a uniform cut of one volume without soft steps: a Gaussian for each, in Morton order.
 struct UniformCells {
     int block_voxels = 1;      ///< edge of a cell

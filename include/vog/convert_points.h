@@ -69,15 +69,6 @@ struct PointOptions {
 /// throws  vog::Error for options.smoothing that is no attribute
 SmoothingRadius chosen_smoothing(const Points& points, const PointOptions& options);
 
-/// Options of a level of detail: uniform cells of 2, 4, 8, 16 or 32 voxels along an edge.
-/// lod     1 (finest) to 5
-/// throws  vog::Error for another lod
-PointOptions point_lod(int lod);
-
-/// Sets the options by which cells are chosen.
-/// throws  vog::Error if two ways are given: "block and budget exclude each other"
-void set_cut(PointOptions& options, const CellChoice& cut);
-
 /// Converts particles to Gaussians truncated at kMomentCutoff (one each of stated kernels: kSplineCutoff), whose masses sum to the particles'
 /// values.
 /// report   receives the results, as of convert_moments; the reference of its measured error is the

@@ -26,15 +26,15 @@ struct RequestMember {
 /// All members but the camera, in the order of a help.
 std::span<const RequestMember> request_schema();
 
-/// A member that has an effect only beside some values of another one.
-struct RequestRule {
+/// An option that has an effect only beside some values of another one: of requests, where options are members, and of conversions.
+struct OptionRule {
     std::string members;  ///< keys, "tf range"; "scale=symmetric": this value alone
     std::string beside;   ///< key of the other one; "shadows light=studio": one of these
     std::string values;   ///< "mean deviation"; "*": not its default; "-": its default
-    std::string shows{};  ///< quantities that the rule is for, "volume"; empty: all
+    std::string of{};  ///< quantities, or conversions, that the rule is for, "volume"; empty: all
 };
 /// Rules between members, beside those of `shows` and `renderers`. General reasons stand first.
-std::span<const RequestRule> request_rules();
+std::span<const OptionRule> request_rules();
 
 /// Sets a member from the words of a command line: numbers with commas between them, words, sizes such as 640x480, colours by
 /// name; of `tf` also files.

@@ -50,6 +50,7 @@
 #include "vog/cells.h"
 #include "vog/clip.h"
 #include "vog/compare.h"
+#include "vog/conversion_schema.h"
 #include "vog/convert.h"
 #include "vog/convert_cells.h"
 #include "vog/convert_fields.h"

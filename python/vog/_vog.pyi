@@ -439,35 +439,17 @@ def convert(
     data: Union[_Mesh, Points, Cells],
     *,
     method: str = ...,
-    block: Union[int, None] = ...,
-    budget: Union[int, None] = ...,
-    error: Union[float, None] = ...,
-    lod: Union[int, None] = ...,
-    soft_steps: Union[int, None] = ...,
-    spread: Union[float, None] = ...,
-    mass_threshold: Union[float, None] = ...,
-    refine_seconds: Union[float, None] = ...,
-    axis_aligned: Union[bool, None] = ...,
-    measure: Union[bool, None] = ...,
-    value: Union[str, None] = ...,
-    radius: Union[float, None] = ...,
-    neighbours: Union[int, None] = ...,
-    smoothing: Union[str, ArrayLike, None] = ...,
-    periodic: Union[bool, float, ArrayLike, None] = ...,
-    strategy: Union[str, None] = ...,
-    dense_block: Union[int, None] = ...,
-    amplitude: Union[str, None] = ...,
-    kappa: Union[float, None] = ...,
-    opacity_threshold: Union[float, None] = ...,
-    minimum_radius: Union[float, None] = ...,
-    variance_threshold: Union[float, None] = ...,
-    similarity: Union[float, None] = ...,
-    tree_depth: Union[int, None] = ...,
-    joint_field: Union[str, None] = ...,
-    joint_steps: Union[int, None] = ...,
     fields: Union[dict[str, Any], Sequence[str], bool, None] = ...,
     progress: Union[_Progress, None] = ...,
     report: Union[dict[str, Any], None] = ...,
+    error: Optional[float] = ..., budget: Optional[int] = ..., block: Optional[int] = ..., lod: Optional[int] = ...,
+    soft_steps: Optional[int] = ..., refine_seconds: Optional[float] = ..., spread: Optional[float] = ...,
+    mass_threshold: Optional[float] = ..., axis_aligned: Optional[bool] = ..., measure: Optional[bool] = ...,
+    joint_field: Optional[str] = ..., joint_steps: Optional[int] = ..., strategy: Optional[str] = ..., dense_block: Optional[int] = ...,
+    amplitude: Optional[str] = ..., kappa: Optional[float] = ..., opacity_threshold: Optional[float] = ...,
+    variance_threshold: Optional[float] = ..., similarity: Optional[float] = ..., tree_depth: Optional[int] = ...,
+    minimum_radius: Optional[float] = ..., value: Optional[str] = ..., radius: Optional[float] = ..., neighbours: Optional[int] = ...,
+    smoothing: Optional[ArrayLike] = ..., periodic: Optional[ArrayLike] = ...,
 ) -> Gaussians: ...
 
 class Picture:
@@ -519,6 +501,7 @@ class _Scene:
     def draw(self, request: str, progress: Union[_Progress, None], /) -> Picture: ...
 
 def _transfer_json(tf: Any, /) -> str: ...
+def _conversion_schema() -> dict[str, str]: ...
 def _request_schema() -> dict[str, tuple[str, str, str, list[str], str, str]]: ...
 def render(
     data: Union[_Drawable, Sequence[Layer]],

@@ -218,7 +218,7 @@ def test_gaussians_are_fitted_to_a_field(volume):
     for options, message in (
         ({"joint_field": "heat"}, "no field 'heat' to fit the Gaussians to"),
         ({"joint_field": "volume", "fields": False}, "joint_field and fields=False exclude each other"),
-        ({"joint_field": "volume", "spread": 1.1}, "joint_field does not go with spread"),
+        ({"joint_field": "volume", "spread": 1.1}, "spread has no effect beside `joint_field`"),
     ):
         with pytest.raises(vog.Error, match=message):
             vog.convert(volume, block=4, **options)

@@ -51,7 +51,7 @@ def test_what_does_not_fit_is_refused():
         vog.convert(points, periodic=True)
     with pytest.raises(vog.Error, match="expected its edge"):
         vog.convert(points, periodic=[1, 2])
-    with pytest.raises(vog.Error, match="smoothing has no effect beside radius"):
+    with pytest.raises(vog.Error, match="smoothing has no effect beside `radius`"):
         vog.convert(points, radius=1.0, smoothing=np.ones(100))
     with pytest.raises(vog.Error, match="no value named 'h'"):
         vog.convert(points, smoothing="h")

@@ -104,15 +104,19 @@ def type_of(key):
     return "float"
 
 
-def test_keywords_of_requests_are_those_of_the_schema():
+def keyword_lines(types, indent):
+    words = ", ".join(f"{key}:~Optional[{kind.replace(' ', '~')}]~=~..." for key, kind in types.items()) + ","
+    return textwrap.indent(textwrap.fill(words, 136), " " * indent).replace("~", " ") + "\n"
+
+
+def test_keywords_are_those_of_the_schemas():
     text = wanted = STUB.read_text()
-    for call, indent in ((vog.render, 4), (vog.Picture.recolor, 8), (vog.export_html, 4)):
-        schema = _vog._request_schema()
-        keys = [key for key, one in inspect.signature(call).parameters.items() if key in schema and key != "size" and one.default is None]
-        words = ", ".join(f"{key}:~Optional[{type_of(key).replace(' ', '~')}]~=~..." for key in keys) + ","
-        lines = textwrap.indent(textwrap.fill(words, 136), " " * indent).replace("~", " ") + "\n"
+    conversion, schema = _vog._conversion_schema(), _vog._request_schema()
+    for call, indent in ((vog.convert, 4), (vog.render, 4), (vog.Picture.recolor, 8), (vog.export_html, 4)):
+        keys = [key for key, one in inspect.signature(call).parameters.items() if key in schema and key != "size" and one.default is None] if call is not vog.convert else []
+        lines = keyword_lines({key: type_of(key) for key in keys} or conversion, indent)
         wanted = re.sub(
-            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:fields|progress|title|description|levels|camera|steps|precise|url): [^\n]*\n)*).*?(?= *\) -> )",
+            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:method|fields|progress|report|title|description|levels|camera|steps|precise|url): [^\n]*\n)*).*?(?= *\) -> )",
             lambda found: found[1] + found[2] + lines, wanted, count=1, flags=re.S,
         )
     if os.environ.get("VOG_WRITE_STUB"):

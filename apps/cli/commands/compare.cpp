@@ -260,12 +260,9 @@ void add_compare(CLI::App& app) {
     command->add_option("--diff", arguments->diff,
                         "Heat map of the differences to write, .png: of V = 1 - exp(-T) for "
                         "depth images, of the channel that differs most for pictures");
-    command
-        ->add_option(setting("diff-limit"), arguments->diff_limit,
-                     "Difference at the end of the heat map's scale, in units of 1/255; 0: the "
-                     "largest difference, rounded up to 1, 2 or 5 times a power of ten")
-        ->check(non_negative_number())
-        ->capture_default_str();
+    add_value(*command, setting("diff-limit"), arguments->diff_limit, "[0, inf)",
+              "Difference at the end of the heat map's scale, in units of 1/255; 0: the largest "
+              "difference, rounded up to 1, 2 or 5 times a power of ten");
     command
         ->add_option(
             "--extinction", arguments->extinction,
@@ -280,7 +277,7 @@ void add_compare(CLI::App& app) {
     command->add_flag("--json", arguments->json,
                       "Print a single JSON object; null: infinite or "
                       "undefined");
-    command->callback([arguments, command] { compare_files(*arguments, GivenOptions(*command)); });
+    on_run(*command, [arguments](GivenOptions& given) { compare_files(*arguments, given); });
 }
 
 }  // namespace vog::cli

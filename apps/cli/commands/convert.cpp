@@ -10,14 +10,15 @@
 #include <optional>
 
 #include "commands/commands.h"
-#include "conversion/conversion_options.h"
 #include "conversion/convert_run.h"
 #include "conversion/field_conversion.h"
 #include "conversion/label_parts.h"
 #include "files/outputs.h"
 #include "files/sequence.h"
 #include "models/model_inputs.h"
+#include "options/conversion_options.h"
 #include "options/field_options.h"
+#include "options/option_effects.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
 #include "vog/convert_moments.h"
@@ -29,6 +30,13 @@
 #include "vog/volume_io.h"
 
 namespace vog::cli {
+
+MomentOptions moment_options(const ConvertArguments& arguments) {
+    if (arguments.moments.budget && arguments.inputs.size() > 1 && arguments.volume.sum)
+        throw UsageError(
+            "--budget is the size of one model: expected one input, or levels of one mesh");
+    return vog::moment_options(arguments);
+}
 
 std::optional<Box> period_of(const ConvertArguments& arguments, std::span<const Volume> volumes,
                              const Collective* collective) {
@@ -103,15 +111,10 @@ void note_stopped(const std::string& input, double measured) {
 }
 
 nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
-                                         const GivenOptions& command, const ConvertRanks& ranks) {
-    const MomentOptions& cut = arguments.moments;
-    PointOptions options = point_options(arguments.points);
-    options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
-    options.budget = cut.budget;
-    options.error = cut_option(command) == "--error" ? cut.error : 0;
-    if (command.has(setting("mass-threshold"))) options.mass_threshold = cut.mass_threshold;
-    options.axis_aligned = cut.axis_aligned;
-    options.measure = cut.measure;
+                                         const ConvertRanks& ranks) {
+    ConversionOptions given = arguments;
+    given.particles = point_options(arguments.points);
+    PointOptions options = point_options(given);
     options.collective = ranks.collective;
     options.fields = parse_point_fields(arguments.fields);
     const bool paper = arguments.method == "paper";
@@ -200,12 +203,14 @@ nlohmann::ordered_json convert_one(ConvertArguments arguments, const GivenOption
             fmt::format("{}: a model; vog convert reads models, vog-mpi convert volumes "
                         "and particles",
                         arguments.inputs.front()));
-    Facts facts = conversion_facts(arguments, command, kind);
-    facts["output"] = in_sequence ? "models/" : extension_of(arguments.output);
+    const std::string of_particles = arguments.method == "paper" ? "paper-particles" : "particles";
+    Facts facts = {{"input", input_fact(kind, arguments.inputs)},
+                   {"conversion", kind == FileKind::points ? of_particles : arguments.method},
+                   {"output", in_sequence ? "models/" : extension_of(arguments.output)}};
     // Particles that are written as they are: masses count where negative ones become 0.
     if (!command.has("--clip-negative")) facts["values"] = facts["output"];
     require_effects(command, facts);
-    if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
+    if (kind == FileKind::points) return convert_particles(arguments, ranks);
     if (kind == FileKind::model) return convert_models(arguments);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments) : MomentOptions{};
@@ -451,6 +456,7 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                               const MomentTotals& moments, const Stages& stages) {
     const double mass_ratio = volume_mass > 0 ? made.mass / volume_mass : 1;
     const bool by_moments = arguments.method == "moments";
+    const MomentReport figures = moments.report(volume_mass);
     const double share = share_of_voxels(made);
     if (!arguments.json) {
         print_line(fmt::format("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}",
@@ -462,11 +468,11 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                         ? std::string()
                         : fmt::format(", fields {}", fmt::join(made.fields, ", "))));
         // The file's summary repeats the counts; here what the first line lacks.
-        const std::string details = by_moments ? detail_text(moments.report(volume_mass)) : "";
+        const std::string details = by_moments ? detail_text(figures) : "";
         if (!details.empty()) print_line(details);
         if (!arguments.joint_field.empty())
             print_line(joint_text(arguments.joint_field, made.joint));
-        if (by_moments) print_line(times_text(moments.stage_ms));
+        if (by_moments) print_line(times_text(figures.stage_ms));
         return {};
     }
     nlohmann::ordered_json json = {
@@ -481,21 +487,20 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         {"mass_ratio", mass_ratio}};
     if (!made.fields.empty()) json["fields"] = made.fields;
     if (by_moments) {
-        json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
-        json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
-        json["dropped_cells"] = moments.dropped_cells;
-        if (moments.worst_error >= 0) {
-            json["measured_error"] = moments.worst_error;
-            json["mean_error"] = moments.mean_error;
-            if (moments.interpolation_error >= 0) {
-                json["interpolation_error"] = moments.interpolation_error;
-                json["mean_interpolation_error"] = moments.mean_interpolation_error;
-                json["as_near_as_interpolation"] =
-                    moments.report(volume_mass).as_near_as_interpolation();
+        json["mass_ratio_before_threshold"] = figures.mass_ratio;
+        json["dropped_mass_share"] = figures.dropped_mass_share;
+        json["dropped_cells"] = figures.dropped_cells;
+        if (figures.measured_error >= 0) {
+            json["measured_error"] = figures.measured_error;
+            json["mean_error"] = figures.mean_error;
+            if (figures.interpolation_error >= 0) {
+                json["interpolation_error"] = figures.interpolation_error;
+                json["mean_interpolation_error"] = figures.mean_interpolation_error;
+                json["as_near_as_interpolation"] = figures.as_near_as_interpolation();
             }
-            json["stopped_by_count"] = moments.stopped_by_count;
+            json["stopped_by_count"] = figures.stopped_by_count;
         }
-        for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
+        for (const auto& [name, ms] : figures.stage_ms) json["convert_ms"][name] = ms;
     }
     if (!arguments.joint_field.empty()) {
         json["joint"] = {{"field", arguments.joint_field},
@@ -532,19 +537,9 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
                      "series")
         ->required();
     add_volume_options(*command, arguments->volume);
-    command
-        ->add_option("--method", arguments->method,
-                     "moments: each Gaussian has the mass, mean and covariance of its cell; "
-                     "paper: block by block, as Sharma and Schmalstieg")
-        ->check(CLI::IsMember({"moments", "paper"}))
-        ->capture_default_str();
-    command
-        ->add_option(
-            "--lod", arguments->lod,
-            "Level of detail, 1 (finest) to 5 (coarsest). moments: uniform cells with edges "
-            "of 2, 4, 8, 16, 32 voxels. paper: dense blocks with edges of 2, 4, 8, 8, 8 "
-            "voxels, and for sparse leaves --set strategy=smart (1-3), strict (4), single (5)")
-        ->check(CLI::Range(1, 5));
+    add_value(*command, "--method", arguments->method, "moments paper",
+              "moments: each Gaussian has the mass, mean and covariance of its cell; paper: block "
+              "by block, as Sharma and Schmalstieg");
     command->add_option(
         "--field", arguments->fields,
         "Field that Gaussians carry beside density, for pictures of it (vog render --show): GRID "
@@ -555,29 +550,14 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
                         "Labels that divide the volume, as of a segmentation: a grid of whole "
                         "numbers, FILE, FILE:GRID or GRID. No Gaussian "
                         "straddles two of them, and each has its own as the field 'label'");
-    command->add_option(
-        "--for", arguments->joint_field,
-        "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
-        "joint space of position and value: volume (the volume's own values, as for vog render "
-        "--show volume) or the name of a --field. T is less exact; by how much is reported. "
-        "--error and --refine then judge volume pictures");
-    command
-        ->add_option(setting("joint-steps"), arguments->joint_steps,
-                     "Steps of --for; more serve narrow bands of values, and cost T")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command
-        ->add_option("--measure", arguments->measure,
-                     "Weight of a voxel. density: its value, which must not be negative; volume: 1 "
-                     "for each active voxel, of signed values too (Hounsfield units, differences, "
-                     "velocities), which Gaussians carry as a field")
-        ->check(CLI::IsMember({"density", "volume"}))
-        ->capture_default_str();
+    add_value(*command, "--measure", arguments->measure, "density volume",
+              "Weight of a voxel. density: its value, which must not be negative; volume: 1 for "
+              "each active voxel, of signed values too (Hounsfield units, differences, "
+              "velocities), which Gaussians carry as a field");
     command->add_flag("--no-fields", arguments->no_fields,
                       "Carry no fields, not even the volume's own values: 24 bytes less for each "
                       "Gaussian");
-    add_moment_options(*command, *arguments);
-    add_paper_options(*command, *arguments);
+    add_conversion_options(*command, *arguments);
     add_point_options(*command, arguments->points);
     add_memory_options(*command, arguments->memory,
                        ". Time series: as many files are converted at once as fit");
@@ -590,8 +570,8 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
                       "Write no level-of-detail hierarchy (coarser Gaussians for distant views): a "
                       "smaller file, but distant views cost as much as near ones");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    command->callback(
-        [arguments, command, ranks] { convert(*arguments, GivenOptions(*command), ranks); });
+    on_run(*command,
+           [arguments, ranks](GivenOptions& given) { convert(*arguments, given, ranks); });
     return command;
 }
 

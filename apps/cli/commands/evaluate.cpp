@@ -220,27 +220,20 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
                      "file; default inferno. With --show volume one of values, beside a ramp, "
                      "three narrow bands and an opaque step; repeatable")
         ->allow_extra_args(false);
-    command
-        ->add_option("--show", arguments->show,
-                     "T, or volume: volume pictures are compared too, emission and absorption "
-                     "under several transfer functions from seven views")
-        ->check(CLI::IsMember({"T", "volume"}))
-        ->capture_default_str();
+    add_value(*command, "--show", arguments->show, "T volume",
+              "T, or volume: volume pictures are compared too, emission and absorption under "
+              "several transfer functions from seven views");
     command->add_flag("--voxels", arguments->options.voxels,
                       "Measure the field error too: each model turned back into voxels, as vog "
                       "voxelize --like does, "
                       "against the volume, or the visible voxels of a mesh's levels");
-    command
-        ->add_option("--repeat", arguments->options.repeats,
-                     "Timed renders per view, after one warm-up")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
+    add_value(*command, "--repeat", arguments->options.repeats, "[1, 1000]",
+              "Timed renders per view, after one warm-up");
     command->add_flag("--resume", arguments->options.resume,
                       "Continue an interrupted evaluation: keep the conversions that are finished");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    command->callback([arguments, command, ranks] {
-        const std::vector<std::string>& inputs = arguments->inputs;
-        require_effects(GivenOptions(*command), {{"input", input_fact(FileKind::volume, inputs)}});
+    on_run(*command, [arguments, ranks](GivenOptions& given) {
+        require_effects(given, {{"input", input_fact(FileKind::volume, arguments->inputs)}});
         arguments->volume.refuse_several = true;  // of another grid the figures would be others
         evaluate_files(*arguments, ranks);
     });

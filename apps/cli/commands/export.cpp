@@ -251,33 +251,25 @@ void add_export(CLI::App& app) {
     add_model_options(*command, arguments->models,
                       "File to write: .spz, .glb, .usda, .ply with --as, or of --iso .stl or .obj; "
                       "several inputs are added up");
-    command
-        ->add_option(
-            "--as", arguments->layout,
-            "Layout of a .ply: 3dgs (splats with opacities, for renderers of 3D Gaussian "
-            "splatting), volprim (volumetric primitives, for Mitsuba) or surface (of --iso)")
-        ->check(CLI::IsMember({"3dgs", "volprim", "surface"}));
+    add_value(*command, "--as", arguments->layout, "3dgs volprim surface",
+              "Layout of a .ply: 3dgs (splats with opacities, for renderers of 3D Gaussian "
+              "splatting), volprim (volumetric primitives, for Mitsuba) or surface (of --iso)");
     command->add_option("--iso", arguments->iso,
                         "Value of the surface that is written as triangles in world units, in the "
                         "unit of the density");
-    command
-        ->add_option(
-            "--voxel-size", arguments->voxel_size,
-            "Edge of the voxels that a model's surface is found in, world units; default: one and "
-            "a half times the middle "
-            "standard deviation of its Gaussians, at least a 256th of its box's longest edge")
-        ->check(positive_number());
-    command
-        ->add_option("--units", arguments->units,
-                     "Coordinates of splats: box, the model's box centred at 0 with a longest edge "
-                     "of 2, which viewers open in view; or world, those of the data. The file "
-                     "states the scale. Default: box; world with --as volprim")
-        ->check(CLI::IsMember({"world", "box"}));
+    add_value(*command, "--voxel-size", arguments->voxel_size, "(0, inf)",
+              "Edge of the voxels that a model's surface is found in, world units; default: one "
+              "and a half times the middle standard deviation of its Gaussians, at least a 256th "
+              "of its box's longest edge");
+    add_value(*command, "--units", arguments->units, "world box",
+              "Coordinates of splats: box, the model's box centred at 0 with a longest edge of 2, "
+              "which viewers open in view; or world, those of the data. The file states the scale. "
+              "Default: box; world with --as volprim");
     add_member_options(*command, arguments->words, {"field", "tf", "extinction"});
     command->get_option("--field")->description(
         "Scalar field that colours splats through --tf. Splats are white without --field and --tf");
     add_up_option(*command, arguments->view);
-    command->callback([arguments, command] { export_files(*arguments, GivenOptions(*command)); });
+    on_run(*command, [arguments](GivenOptions& given) { export_files(*arguments, given); });
 }
 
 }  // namespace vog::cli

@@ -176,23 +176,18 @@ void add_pack(CLI::App& app) {
     add_no_fields_option(*command, arguments->models.no_fields);
     const OptionGroup grouped(*command, "Precision and layout");
     CLI::Option* loss =
-        command
-            ->add_option(
-                "--max-loss", arguments->max_loss_db,
-                "Largest loss of PSNR of V against the data in seven views, dB; the coarsest "
-                "rounding within it is searched. Without it: --set rounding, about 0.1 dB")
-            ->check(positive_number());
+        add_value(*command, "--max-loss", arguments->max_loss_db, "(0, inf)",
+                  "Largest loss of PSNR of V against the data in seven views, dB; the coarsest "
+                  "rounding within it is searched. Without it: --set rounding, about 0.1 dB");
     CLI::Option* reference =
         command
             ->add_option("--reference", arguments->reference,
                          "With --max-loss: the data, volumes as FILE or FILE:GRID (several: levels "
                          "of one mesh). Repeatable")
             ->needs(loss);
-    command
-        ->add_option(setting("model-psnr"), arguments->model_psnr_db,
-                     "With --max-loss and no --reference: PSNR of V of the model against its data, "
-                     "dB; default 50")
-        ->check(positive_number())
+    add_value(*command, setting("model-psnr"), arguments->model_psnr_db, "(0, inf)",
+              "With --max-loss and no --reference: PSNR of V of the model against its data, dB; "
+              "default 50")
         ->needs(loss)
         ->excludes(reference);
     add_rounding_options(*command, arguments->rounding);
@@ -202,7 +197,7 @@ void add_pack(CLI::App& app) {
                       "without it readers build their own");
     command->add_flag("--deflate", arguments->deflate,
                       "Compress with deflate, which browsers have built in, instead of zstd");
-    command->callback([arguments, command] { pack(*arguments, GivenOptions(*command)); });
+    on_run(*command, [arguments](GivenOptions& given) { pack(*arguments, given); });
 }
 
 }  // namespace vog::cli

@@ -240,12 +240,9 @@ void add_page(CLI::App& app) {
                      "a compact model written with --hierarchy --deflate. https, http, or relative "
                      "to the page")
         ->group(kPageGroup);
-    command
-        ->add_option(setting("levels"), arguments->levels,
-                     "Largest number of levels of detail in the page: the model itself, then a "
-                     "quarter as many Gaussians each time; 1: only the model")
-        ->check(CLI::Range(1, 32))
-        ->capture_default_str()
+    add_value(*command, setting("levels"), arguments->levels, "[1, 32]",
+              "Largest number of levels of detail in the page: the model itself, then a quarter as "
+              "many Gaussians each time; 1: only the model")
         ->group(kPageGroup);
     {
         const OptionGroup grouped(*command, "Site");
@@ -253,7 +250,7 @@ void add_page(CLI::App& app) {
     }
     add_view_options(*command, arguments->page.view);
     add_memory_options(*command, arguments->memory, ". For sites");
-    command->callback([arguments, command] { run(*arguments, GivenOptions(*command)); });
+    on_run(*command, [arguments](GivenOptions& given) { run(*arguments, given); });
 }
 
 }  // namespace vog::cli

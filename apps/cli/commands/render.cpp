@@ -370,8 +370,8 @@ void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments
     CLI::App* command =
         app.add_subcommand("render", "Render models, volumes or particles to a picture");
     add_render_options(*command, *arguments);
-    command->callback(
-        [arguments, command, ranks] { render_files(*arguments, GivenOptions(*command), ranks); });
+    on_run(*command,
+           [arguments, ranks](GivenOptions& given) { render_files(*arguments, given, ranks); });
 }
 
 }  // namespace vog::cli

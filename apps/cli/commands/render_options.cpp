@@ -40,18 +40,15 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
         "-2, -3, ... added where that exists. A folder (or a name that ends in /), a "
         "name with a number (t_%04d.png) or a film (.mp4, .webm: by ffmpeg): one "
         "picture per input, all under one camera and one extinction");
-    command
-        .add_option("--turntable", arguments.turntable,
-                    "Turn the view once about the up axis, in this many pictures, of all inputs "
-                    "together: -o names a folder (0001.png, ...), a name with a number or a film. "
-                    "Extinction and range are those of the first")
-        ->check(CLI::Range(1, 9999));
+    add_value(command, "--turntable", arguments.turntable, "[1, 9999]",
+              "Turn the view once about the up axis, in this many pictures, of all inputs "
+              "together: -o names a folder (0001.png, ...), a name with a number or a film. "
+              "Extinction and range are those of the first");
     command.add_flag(
         "--steps", arguments.steps,
         "With --turntable: the inputs are steps in time, which runs once during the turn");
-    command.add_option(setting("fps"), arguments.per_second, "Pictures a second of a film")
-        ->check(CLI::Range(0.01, 240.0))
-        ->capture_default_str();
+    add_value(command, setting("fps"), arguments.per_second, "[0.01, 240]",
+              "Pictures a second of a film");
     command.add_option("--depth-out", arguments.depth_output,
                        "Image of optical depth T to write: .exr with one float channel Y");
     command.add_option(
@@ -64,11 +61,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     add_view_options(command, arguments.view);
     add_request_options(command, arguments.words);
     add_memory_options(command, arguments.memory, "");
-    command
-        .add_option("--repeat", arguments.repeat,
-                    "Render this many times after one warm-up, and report the minimum, median and "
-                    "maximum time")
-        ->check(CLI::Range(1, 100000));
+    add_value(command, "--repeat", arguments.repeat, "[1, 100000]",
+              "Render this many times after one warm-up, and report the minimum, median and "
+              "maximum time");
     add_run_options(command, arguments.threads, arguments.json, arguments.verbose);
 }
 

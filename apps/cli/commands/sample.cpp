@@ -67,29 +67,21 @@ void add_sample(CLI::App& app) {
     auto arguments = std::make_shared<SampleArguments>();
     CLI::App* command =
         app.add_subcommand("sample", "Generate procedural test data, the same bytes every time");
-    command
-        ->add_option(
-            "what", arguments->kind,
-            "cloud: a cumulus cloud with soft edges and a constant core; explosion: a turbulent, "
-            "hollow fireball; fire: the same with its temperature in K as a second grid; head: a "
-            "CT "
-            "of a head, grid ct, Hounsfield units + 1000, mm; amr: halos and filaments on three "
-            "nested levels of an adaptive mesh, "
-            "one grid each; particles: a box of a cosmological simulation, with velocities")
-        ->required()
-        ->check(CLI::IsMember({"cloud", "explosion", "fire", "head", "amr", "particles"}));
+    add_value(*command, "what", arguments->kind, "cloud explosion fire head amr particles",
+              "cloud: a cumulus cloud with soft edges and a constant core; explosion: a turbulent, "
+              "hollow fireball; fire: the same with its temperature in K as a second grid; head: a "
+              "CT of a head, grid ct, Hounsfield units + 1000, mm; amr: halos and filaments on "
+              "three nested levels of an adaptive mesh, one grid each; particles: a box of a "
+              "cosmological simulation, with velocities")
+        ->required();
     command
         ->add_option("output", arguments->output,
                      "OpenVDB file to write (.vdb); particles also as .xyz, .csv or .tsv")
         ->required();
-    command
-        ->add_option(
-            "--size", arguments->size,
-            fmt::format("Voxels along an edge, 64 to 1024 (default {}); amr: of the finest "
-                        "level; particles: the cube root of their number, 8 to 512 "
-                        "(default {})",
-                        SampleOptions{}.size, ParticleSampleOptions{}.size))
-        ->check(CLI::Range(8, 1024));
+    add_value(*command, "--size", arguments->size, "[8, 1024]",
+              fmt::format("Voxels along an edge, 64 to 1024 (default {}); amr: of the finest "
+                          "level; particles: the cube root of their number, 8 to 512 (default {})",
+                          SampleOptions{}.size, ParticleSampleOptions{}.size));
     command
         ->add_option(setting("seed"), arguments->options.seed,
                      "Seed of the random numbers: other seeds give other shapes")
@@ -99,8 +91,8 @@ void add_sample(CLI::App& app) {
     add_threads_option(*command, arguments->threads);
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");
-    command->callback([arguments, command] {
-        require_effects(GivenOptions(*command), {{"input", arguments->kind}});
+    on_run(*command, [arguments](GivenOptions& given) {
+        require_effects(given, {{"input", arguments->kind}});
         sample(*arguments);
     });
 }

@@ -10,6 +10,7 @@
 #include "commands/commands.h"
 #include "files/film.h"
 #include "options/parser/settings.h"
+#include "options/parser/validators.h"
 #include "serve/site_folder.h"
 #include "serve/site_server.h"
 #include "terminal/terminal.h"
@@ -95,10 +96,8 @@ void add_serve(CLI::App& app) {
             "served")
         ->required();
     CLI::Option* port =
-        command
-            ->add_option("--port", arguments->server.port,
-                         "Port to listen at; 0: any free one. Default: 8080, or the next free one")
-            ->check(CLI::Range(0, 65535));
+        add_value(*command, "--port", arguments->server.port, "[0, 65535]",
+                  "Port to listen at; 0: any free one. Default: 8080, or the next free one");
     command
         ->add_option(
             setting("host"), arguments->server.host,

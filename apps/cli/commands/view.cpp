@@ -55,7 +55,7 @@ std::string field_grid(const WindowArguments& arguments) {
 
 /// The first quantity, and the transfer functions of fields as they are shown.
 void set_quantity(viewer::ViewerOptions& options, const PictureRequest& request) {
-    const HtmlQuantity stated = stated_quantity(request);
+    const HtmlQuantity stated = html_quantity(request);
     options.quantity.show = show_named(stated.show);
     options.quantity.look = stated.look;
     options.quantity.slabs = request.slabs;
@@ -220,23 +220,17 @@ void add_view(CLI::App& app) {
                         "Run the actions in this file, then exit (docs/viewer.md)");
     command->add_flag("--headless", arguments->headless,
                       "Run the script without a window: only its pictures are written");
-    command
-        ->add_option(setting("resolution"), arguments->resolution,
-                     "Rendered pixels per screen pixel, along an edge")
-        ->check(CLI::Range(0.1, 4.0))
-        ->capture_default_str();
-    command
-        ->add_option(setting("ui-scale"), arguments->ui_scale,
-                     "Scale of text and controls; 0: that of the display")
-        ->check(CLI::Range(0.0, 8.0))
-        ->capture_default_str();
+    add_value(*command, setting("resolution"), arguments->resolution, "[0.1, 4]",
+              "Rendered pixels per screen pixel, along an edge");
+    add_value(*command, setting("ui-scale"), arguments->ui_scale, "[0, 8]",
+              "Scale of text and controls; 0: that of the display");
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
     add_shown_options(*command, arguments->words);
     add_member_options(*command, arguments->words, {"layers"});
     add_threads_option(*command, arguments->threads);
-    command->callback([arguments, command] { open_viewer(*arguments, GivenOptions(*command)); });
+    on_run(*command, [arguments](GivenOptions& given) { open_viewer(*arguments, given); });
 }
 
 }  // namespace vog::cli

@@ -155,7 +155,7 @@ void add_voxelize(CLI::App& app) {
         ->capture_default_str();
     add_memory_options(*command, arguments->memory, "; a .vdb only");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
-    command->callback([arguments, command] { run_voxelize(*arguments, GivenOptions(*command)); });
+    on_run(*command, [arguments](GivenOptions& given) { run_voxelize(*arguments, given); });
 }
 
 }  // namespace vog::cli

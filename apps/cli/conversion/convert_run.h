@@ -15,23 +15,15 @@
 #include "options/input_options.h"
 #include "options/memory_options.h"
 #include "terminal/terminal.h"
-#include "vog/convert_fields.h"
-#include "vog/convert_moments.h"
-#include "vog/convert_paper.h"
+#include "vog/conversion_schema.h"
 #include "vog/lod.h"
 
 namespace vog::cli {
 
-struct ConvertArguments : ModelArguments {
-    std::string method = "moments", measure = "density";
-    int lod = 0;
-    std::string strategy, amplitude = "mean";
-    PaperOptions paper;
-    MomentOptions moments;
+struct ConvertArguments : ModelArguments, ConversionOptions {
+    std::string measure = "density";
     std::vector<std::string> fields;  ///< texts of --field (options/field_options.h)
     std::string labels{};             ///< FILE:GRID, FILE or GRID; empty: none
-    std::string joint_field;          ///< --for: a field, or "volume"; empty: none
-    int joint_steps = kJointSteps;
     bool no_hierarchy = false, again = false;
     MemoryArguments memory;
 };
@@ -43,6 +35,10 @@ struct VolumeConversion {
     PaperOptions paper;     ///< used otherwise
 };
 
+/// Options of a conversion of volumes by moments.
+/// throws  UsageError for --budget of a sum of volumes
+MomentOptions moment_options(const ConvertArguments& arguments);
+
 /// Box of --periodic for volumes; that of their domain where the option states none. None: not given.
 /// volumes     all of them, or this process's parts
 /// collective  processes that hold the others; null: a single process
@@ -52,45 +48,33 @@ std::optional<Box> period_of(const ConvertArguments& arguments, std::span<const 
 
 /// Totals over the moment conversions of several volumes.
 struct MomentTotals {
-    double cells_mass = 0, dropped_mass = 0;  ///< density times world volume
-    double worst_error = -1;                  ///< relative L2 of T; below 0: not measured
-    double mean_error = -1;                   ///< the same over all views
-    /// MomentReport's: of the voxels interpolated linearly.
-    double interpolation_error = -1, mean_interpolation_error = -1;
-    bool stopped_by_count = false;  ///< MomentReport::stopped_by_count of any
-    std::size_t dropped_cells = 0;
-    std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
+    /// Masses, density times world volume, in place of mass_ratio and dropped_mass_share; the largest errors.
+    MomentReport sums;
 
+    MomentTotals() { sums.mass_ratio = 0; }
     void add(const MomentReport& one, double volume_mass) {
-        cells_mass += one.mass_ratio * volume_mass;
-        dropped_mass += one.dropped_mass_share * volume_mass;
-        dropped_cells += one.dropped_cells;
-        worst_error = std::max(worst_error, one.measured_error);
-        mean_error = std::max(mean_error, one.mean_error);
-        interpolation_error = std::max(interpolation_error, one.interpolation_error);
-        mean_interpolation_error = std::max(mean_interpolation_error, one.mean_interpolation_error);
-        stopped_by_count |= one.stopped_by_count;
+        sums.mass_ratio += one.mass_ratio * volume_mass;
+        sums.dropped_mass_share += one.dropped_mass_share * volume_mass;
+        sums.dropped_cells += one.dropped_cells;
+        for (const auto error :
+             {&MomentReport::measured_error, &MomentReport::mean_error,
+              &MomentReport::interpolation_error, &MomentReport::mean_interpolation_error})
+            sums.*error = std::max(sums.*error, one.*error);
+        sums.stopped_by_count |= one.stopped_by_count;
         for (const auto& [name, ms] : one.stage_ms) {
-            const auto known = std::find_if(stage_ms.begin(), stage_ms.end(),
-                                            [&](const auto& stage) { return stage.first == name; });
-            if (known == stage_ms.end())
-                stage_ms.emplace_back(name, ms);
+            const auto known = std::ranges::find(sums.stage_ms, name,
+                                                 [](const auto& stage) { return stage.first; });
+            if (known == sums.stage_ms.end())
+                sums.stage_ms.emplace_back(name, ms);
             else
                 known->second += ms;
         }
     }
     /// The totals as the report of one conversion.
     MomentReport report(double data_mass) const {
-        MomentReport all;
-        all.mass_ratio = data_mass > 0 ? cells_mass / data_mass : 1;
-        all.dropped_mass_share = data_mass > 0 ? dropped_mass / data_mass : 0;
-        all.dropped_cells = dropped_cells;
-        all.measured_error = worst_error;
-        all.mean_error = mean_error;
-        all.interpolation_error = interpolation_error;
-        all.mean_interpolation_error = mean_interpolation_error;
-        all.stopped_by_count = stopped_by_count;
-        all.stage_ms = stage_ms;
+        MomentReport all = sums;
+        all.mass_ratio = data_mass > 0 ? sums.mass_ratio / data_mass : 1;
+        all.dropped_mass_share = data_mass > 0 ? sums.dropped_mass_share / data_mass : 0;
         return all;
     }
 };

@@ -42,7 +42,7 @@ HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& com
 }
 
 void check_page_options(const PageArguments& arguments, const GivenOptions& command) {
-    (void)stated_quantity(page_request(arguments));
+    (void)html_quantity(page_request(arguments));
     if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
 }
 

@@ -6,12 +6,6 @@
 
 namespace vog::cli {
 
-HtmlQuantity stated_quantity(const PictureRequest& request) try {
-    return html_quantity(request);
-} catch (const RequestError& error) {
-    throw as_option(error);
-}
-
 ValueTransfer stated_transfer(PictureRequest request, const Gaussians& model,
                               const ScalarField& field, std::vector<std::string>& notes) {
     request.show = Show::volume;
@@ -25,7 +19,7 @@ ValueTransfer stated_transfer(PictureRequest request, const Gaussians& model,
 }
 
 HtmlOptions page_settings(PictureRequest request, const Gaussians& model, const std::string& input,
-                          std::vector<std::string>& notes) try {
+                          std::vector<std::string>& notes) {
     if (is_by_value(request.show)) {
         const ScalarField& shown =
             scalar_field_of(model.fields, request.field, input, request.show);
@@ -35,8 +29,6 @@ HtmlOptions page_settings(PictureRequest request, const Gaussians& model, const 
     HtmlOptions options = html_options(request, model, &volume);
     if (request.show == Show::volume) notes = transfer_notes(request, volume);
     return options;
-} catch (const RequestError& error) {
-    throw as_option(error);
 }
 
 }  // namespace vog::cli

@@ -9,9 +9,6 @@
 
 namespace vog::cli {
 
-/// html_quantity(), with errors that name the option.
-/// throws  UsageError
-HtmlQuantity stated_quantity(const PictureRequest& request);
 /// Transfer function of a model's scalar field, found as `vog render --show volume` finds it.
 /// notes     receives what was chosen
 /// throws    UsageError and vog::Error as `vog render` does for such options

@@ -123,31 +123,20 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
                 fmt::join(view_names(), ", "), kPaperAzimuthDegrees, kPaperElevationDegrees,
                 kPaperDistanceRadii))
         ->check(view_error);
-    command
-        .add_option(
-            "--distance", arguments.distance_radii,
-            "Distance of the eye from the centre of the input's bounding box, in bounding radii "
-            "(half the box's diagonal). Default: the distance at which what the data show fills 95 "
-            "% of the "
-            "picture's width or height (--frame)")
-        ->check(positive_number());
-    command.add_option("--fov", arguments.fov_degrees, "Full vertical field of view, degrees")
-        ->check(CLI::Range(0.001, 179.999))
-        ->capture_default_str();
+    add_value(command, "--distance", arguments.distance_radii, "(0, inf)",
+              "Distance of the eye from the centre of the input's bounding box, in bounding radii "
+              "(half the box's diagonal). Default: the distance at which what the data show fills "
+              "95 % of the picture's width or height (--frame)");
+    add_value(command, "--fov", arguments.fov_degrees, "[0.001, 179.999]",
+              "Full vertical field of view, degrees");
     command.add_flag("--orthographic", arguments.orthographic,
                      "Parallel rays in place of a pinhole: no perspective, lengths to scale");
-    command
-        .add_option(
-            "--width", arguments.width,
-            "Width of an orthographic picture, world units. Default: what the data show fills "
-            "95 % of the picture's width or height (--frame)")
-        ->check(positive_number());
-    command
-        .add_option("--frame", arguments.frame,
-                    "What a fitted picture holds: content, 99.9 % of what the data show, or data, "
-                    "their whole box")
-        ->check(CLI::IsMember({"content", "data"}))
-        ->capture_default_str();
+    add_value(command, "--width", arguments.width, "(0, inf)",
+              "Width of an orthographic picture, world units. Default: what the data show fills 95 "
+              "% of the picture's width or height (--frame)");
+    add_value(command, "--frame", arguments.frame, "content data",
+              "What a fitted picture holds: content, 99.9 % of what the data show, or data, their "
+              "whole box");
     command
         .add_option("--eye", arguments.eye,
                     "Position x,y,z of the eye in world units, in place of the angles")

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "options/conversion_options.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
 
@@ -53,9 +54,7 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
                     "Text files: the columns x,y,z or x,y,z,vx,vy,vz, by name or by number from 1; "
                     "default: columns of these names, else the first ones")
         ->delimiter(',');
-    command.add_option("--value", options.value,
-                       "Mass of a particle's Gaussian: count (1 each; the default), speed, or an "
-                       "attribute of the file by name");
+    command.add_option("--value", options.value, conversion_text("value"));
     command
         .add_option(
             "--radius", options.radius,
@@ -73,11 +72,8 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
                     "mesh. What leaves through a face enters through the opposite one, neighbours "
                     "are found across faces, and pictures show the box alone")
         ->expected(0, 1);
-    command
-        .add_option("--neighbours", options.neighbours,
-                    "k of --radius adaptive: the nearest neighbour is 1")
-        ->check(CLI::Range(1, 64))
-        ->capture_default_str();
+    add_value(command, "--neighbours", options.neighbours, "[1, 64]",
+              conversion_text("neighbours"));
 }
 
 }  // namespace vog::cli

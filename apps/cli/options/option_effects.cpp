@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "options/conversion_options.h"
 #include "options/parser/settings.h"
 #include "options/request_options.h"
 
@@ -23,13 +24,11 @@ struct Row {
     std::string fact;       ///< of Facts, or an option, whose value counts
     std::string values;     ///< "volume maximum"; "*": given with any value; "-": not given
     std::string instead{};  ///< what serves the purpose otherwise
-    std::string shows{};    ///< quantities that the row is for; empty: all
+    std::string of{};       ///< quantities, or conversions, that the row is for; empty: all
 };
 
 constexpr const char* kModels = ".ply .vogz models/";
 constexpr const char* kData = "volumes particles text";
-constexpr const char* kByMoments = "[Conversion by moments (--method moments)]";
-constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
 
 // The first row that refuses an option says why: general reasons stand first.
 const std::vector<Row> kRows = {
@@ -62,49 +61,23 @@ const std::vector<Row> kRows = {
     {"export", "--extinction --budget --no-fields", "output", ".spz .glb .usda 3dgs volprim"},
     {"export", "--units --tf --field --up", "output", ".spz .glb .usda 3dgs"},
     // Conversions.
-    {"convert", kByMoments, "--method", "moments"},
-    {"convert", kOfPaper, "--method", "paper"},
-    {"convert", kByMoments, "output", kModels},
-    {"convert", kOfPaper, "output", kModels},
-    {"convert", "--method --lod --field --radius --neighbours --periodic", "output", kModels},
+    {"convert", "--method --field --radius", "output", kModels},
     {"convert", "--no-fields --no-hierarchy --measure", "output", kModels},
     {"convert", "--value", "values", kModels},
     {"convert", "--no-hierarchy", "output", ".ply models/"},
-    {"convert", "--method --lod --field --error --block --set.axis-aligned --set.mass-threshold",
-     "input", kData},
-    {"convert", "--set.measure-error", "input", kData},
-    {"convert", kOfPaper, "input", kData},
+    {"convert", "--method --field", "input", kData},
     {"convert", "--again", "output", "models/"},
-    {"convert", "--for --set.joint-steps --measure --set.spread --set.soft-steps --refine --split",
-     "input", "volumes"},
+    {"convert", "--measure --split", "input", "volumes"},
     {"convert", "--no-fields", "input", "volumes models compact-models"},
-    {"convert",
-     "--set.strategy --set.dense-block --set.amplitude --set.opacity-threshold "
-     "--set.minimum-radius",
-     "input", "volumes"},
-    {"convert", "--set.variance-threshold --set.similarity --set.tree-depth", "input", "volumes"},
     {"convert", "--labels", "input", "volumes"},
     {"convert", "--labels", "--for", "-"},
     {"convert", "--labels", "--no-fields", "-"},
-    {"convert", "--lod --neighbours", "particles by", "moments"},
-    {"convert", "--set.axis-aligned --set.mass-threshold", "particles cut",
-     "--block --budget --error --lod"},
+    {"convert", "--lod", "--method", "moments", "", "paper-particles"},
     {"convert", "--for", "program", "vog", "vog convert"},
-    {"convert", "--for --periodic", "--method", "moments"},
-    {"convert", "--set.joint-steps", "--for", "*"},
-    {"convert", "--no-fields --set.spread", "--for", "-"},
+    {"convert", "--no-fields", "--for", "-"},
     {"convert", "--no-fields", "--field", "-"},
     {"convert page", "--level-set-to-fog --clip-negative --set.background-value", "--measure",
      "density"},
-    {"", "--budget --error --lod", "--block", "-"},
-    {"", "--error --lod", "--budget", "-"},
-    {"", "--lod", "--error", "-"},
-    {"convert page", "--set.measure-error", "cut", "--block --budget --lod"},
-    {"convert", "--set.strategy --set.dense-block", "--lod", "-"},
-    {"convert", "--set.dense-block", "strategy", "smart strict single"},
-    {"convert", "--set.variance-threshold", "strategy", "variance"},
-    {"convert", "--set.similarity", "strategy", "neighbours"},
-    {"convert", "--set.tree-depth", "strategy", "tree"},
     {"page", "[Conversion by moments (--method moments)]", "input", "volumes"},  // vog-mpi
     {"page", "--lod --measure", "input", "volumes"},
     // What is shown.
@@ -137,9 +110,15 @@ bool contains(const std::vector<std::string>& all, const std::string& one) {
     return std::ranges::find(all, one) != all.end();
 }
 
-/// The rows of a rule between members of requests. A list whose rows have two options has two rows.
-void add_rule(std::vector<Row>& rows, const RequestRule& rule) {
-    const auto options = [](const std::string& keys) {
+bool is_one_of(const Facts& facts, const char* fact, const std::vector<std::string>& values) {
+    const auto found = facts.find(fact);
+    return found != facts.end() && contains(values, found->second);
+}
+
+/// The rows of a rule between options. A list whose rows have two options has two rows.
+void add_rule(std::vector<Row>& rows, const OptionRule& rule,
+              const std::function<std::string(const std::string&)>& options_of) {
+    const auto options = [&](const std::string& keys) {
         std::vector<std::string> all;
         for (const std::string& key : words(keys)) {
             const std::size_t equals = std::min(key.find('='), key.size());
@@ -152,14 +131,33 @@ void add_rule(std::vector<Row>& rows, const RequestRule& rule) {
     for (const std::string& fact :
          rule.values == "-" ? words(given) : std::vector<std::string>{given})
         rows.push_back(
-            {is_fact ? "render" : "", options(rule.members), fact, rule.values, "", rule.shows});
+            {is_fact ? "render" : "", options(rule.members), fact, rule.values, "", rule.of});
+}
+
+/// The rows of an option of conversions: its methods, outputs and inputs.
+void add_conversion_rows(std::vector<Row>& rows, const ConversionOption& one) {
+    const std::string option = conversion_option(one.key);
+    const auto has = [of = words(one.of)](const std::string& a, const std::string& b) {
+        return contains(of, a) || contains(of, b);
+    };
+    if (has("moments", "particles") != has("paper", "paper-particles"))
+        rows.push_back(
+            {"convert", option, "--method", has("moments", "particles") ? "moments" : "paper"});
+    if (one.key != "value" && one.key != "radius")
+        rows.push_back({"convert", option, "output", kModels});
+    rows.push_back({"convert", option, "input",
+                    fmt::format("{}{}{}", has("moments", "paper") ? "volumes " : "",
+                                has("particles", "paper-particles") ? "particles text " : "",
+                                has("models", "models") ? "models compact-models" : "")});
 }
 
 /// The table, with the rules, quantities and renderers of the members of requests.
 const std::vector<Row>& rows() {
     static const std::vector<Row> all = [] {
         std::vector<Row> joined = kRows;
-        for (const RequestRule& rule : request_rules()) add_rule(joined, rule);
+        for (const OptionRule& rule : request_rules()) add_rule(joined, rule, options_of);
+        for (const ConversionOption& one : conversion_schema()) add_conversion_rows(joined, one);
+        for (const OptionRule& rule : conversion_rules()) add_rule(joined, rule, conversion_option);
         for (const RequestMember& member : request_schema()) {
             const std::string options = options_of(member.key);
             // Pages and windows have the colours of T beside those of what they show first.
@@ -224,12 +222,7 @@ std::string listed(const std::vector<std::string>& all) {
 /// Values of a fact as a user writes them: "--show volume or maximum", "-o FILE.html or FOLDER/", "models".
 std::string spelled(const std::string& fact, std::vector<std::string> values) {
     static const std::map<std::string, std::string> prefixes = {
-        {"show", "--show "},
-        {"renderer", "--renderer "},
-        {"strategy", "--set strategy="},
-        {"output", "-o "},
-        {"values", "-o "},
-        {"particles by", "particles and --method "}};
+        {"show", "--show "}, {"renderer", "--renderer "}, {"output", "-o "}, {"values", "-o "}};
     static const std::map<std::string, std::string> names = {{"site", "FOLDER/ (a site)"},
                                                              {"models/", "FOLDER/"},
                                                              {"3dgs", "FILE.ply --as 3dgs"},
@@ -260,7 +253,8 @@ std::string refusal(const Row& row, const std::string& option, const std::string
                     const Facts& facts, const GivenOptions& command) {
     std::vector<std::string> values = words(row.values);
     const std::string fact = row.fact;
-    const std::string shown = row.shows.empty() ? "" : fmt::format("--show {} ", facts.at("show"));
+    const bool of_show = is_one_of(facts, "show", words(row.of));
+    const std::string shown = of_show ? fmt::format("--show {} ", facts.at("show")) : "";
     if (values == std::vector<std::string>{"-"})
         return fmt::format("{} and {} exclude each other", option, fact);
     if (contains(values, "*")) {
@@ -304,7 +298,9 @@ void require_effects(const GivenOptions& command, const Facts& facts) {
     for (const Row& row : rows()) {
         const std::vector<std::string> commands = words(row.commands);
         if (!commands.empty() && !contains(commands, command.command())) continue;
-        if (!row.shows.empty() && !contains(words(row.shows), all["show"])) continue;
+        const std::vector<std::string> of = words(row.of);
+        if (!of.empty() && !is_one_of(all, "show", of) && !is_one_of(all, "conversion", of))
+            continue;
         const std::vector<std::string> values = words(row.values);
         // What an option needs may stand in a request's file, whose members are checked together.
         if (contains(values, "*") && command.has("--request")) continue;

@@ -16,11 +16,9 @@ void add_model_options(CLI::App& command, ModelArguments& arguments, const std::
                     "'frame_*.ply'")
         ->required();
     command.add_option("-o,--output", arguments.output, output)->required();
-    command
-        .add_option("--budget", arguments.budget,
-                    "Largest number of Gaussians per model; larger models are coarsened by joining "
-                    "neighbouring Gaussians")
-        ->check(positive_number());
+    add_value(command, "--budget", arguments.budget, "[1, inf)",
+              "Largest number of Gaussians per model; larger models are coarsened by joining "
+              "neighbouring Gaussians");
     add_volume_options(command, arguments.volume);
     add_point_options(command, arguments.points);
     add_run_options(command, arguments.threads, arguments.json, arguments.verbose);
@@ -56,7 +54,7 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
 
 void add_rounding_options(CLI::App& command, RoundingArguments& arguments) {
     const auto add = [&](const char* name, double& value, const std::string& text) {
-        command.add_option(setting(name), value, text)->check(CLI::Range(1e-6, 0.5));
+        add_value(command, setting(name), value, "[1e-6, 0.5]", text);
     };
     add("rounding", arguments.step,
         "Relative step to which masses, shapes and means (in standard deviations) are rounded, "

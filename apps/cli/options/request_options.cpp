@@ -34,13 +34,7 @@ std::string option_of(const std::string& key) {
 }
 
 /// A text whose members are spelled as options.
-std::string spelled(std::string text) {
-    for (std::size_t at = 0; (at = text.find('`', at)) != text.npos;) {
-        const std::size_t end = text.find('`', at + 1);
-        text.replace(at, end + 1 - at, option_of(text.substr(at + 1, end - at - 1)));
-    }
-    return text;
-}
+std::string spelled(const std::string& text) { return cli::spelled(text, option_of); }
 
 /// --clip: boxes of six numbers and planes of four.
 void add_clip(CLI::App& command, RequestWords& words, const RequestMember& box) {
@@ -103,6 +97,15 @@ void add_option(CLI::App& command, RequestWords& words, const RequestMember& mem
     }
 }
 
+/// An error as the command line names its options.
+UsageError as_option(const RequestError& error) {
+    const std::string option = option_of(error.member());
+    std::string text = spelled(error.text());
+    const bool has_value = text.starts_with(' ') && text.find(' ', 1) == text.find(':') + 1;
+    if (is_setting(error.member()) && has_value) text.front() = '=';
+    return UsageError(option + text);
+}
+
 /// throws  UsageError naming the option; vog::Error for files of --tf
 void set_by_words(PictureRequest& request, const std::string& key,
                   const std::vector<std::string>& words) try {
@@ -158,12 +161,15 @@ std::string options_of(const std::string& key) {
     return option_of(key) + (key == "bands" ? " --iso" : "");
 }
 
-UsageError as_option(const RequestError& error) {
-    const std::string option = option_of(error.member());
-    std::string text = spelled(error.text());
-    const bool has_value = text.starts_with(' ') && text.find(' ', 1) == text.find(':') + 1;
-    if (is_setting(error.member()) && has_value) text.front() = '=';
-    return UsageError(option + text);
+void on_run(CLI::App& command, const std::function<void(GivenOptions&)>& run) {
+    command.callback([&command, run] {
+        GivenOptions given(command);
+        try {
+            run(given);
+        } catch (const RequestError& error) {
+            throw as_option(error);
+        }
+    });
 }
 
 }  // namespace vog::cli

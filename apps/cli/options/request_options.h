@@ -1,6 +1,7 @@
 // request_options.h: options of a picture's request, made from the library's table of its members (vog/request_schema.h).
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -35,7 +36,7 @@ void add_member_options(CLI::App& command, RequestWords& words, const std::set<s
 
 /// Options of a member: "--slabs"; of bands "--band --iso".
 std::string options_of(const std::string& key);
-/// An error as the command line names its options.
-UsageError as_option(const RequestError& error);
+/// Runs a command with the options that its line states. A RequestError becomes a UsageError that names the option.
+void on_run(CLI::App& command, const std::function<void(GivenOptions&)>& run);
 
 }  // namespace vog::cli

@@ -286,9 +286,10 @@ RenderArguments of_view(RenderArguments arguments, const GivenOptions& command,
     return arguments;
 }
 
-std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
-                                             const GivenOptions& command,
-                                             const RenderRanks& ranks) {
+}  // namespace
+
+std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOptions& command,
+                                    const RenderRanks& ranks) {
     PictureRequest request = given.request;
     check_arguments(given, ranks.is_root);
     RenderArguments arguments = of_view(given, command, ranks);
@@ -345,15 +346,6 @@ std::vector<RenderedPicture> render_pictures(const RenderArguments& given,
         return figures;
     };
     return render_views(arguments, command, inputs.scene.subject, draw);
-}
-
-}  // namespace
-
-std::vector<RenderedPicture> render(const RenderArguments& arguments, const GivenOptions& command,
-                                    const RenderRanks& ranks) try {
-    return render_pictures(arguments, command, ranks);
-} catch (const RequestError& error) {
-    throw as_option(error);
 }
 
 }  // namespace vog::cli

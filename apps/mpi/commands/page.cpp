@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "commands/mpi_commands.h"
-#include "conversion/conversion_options.h"
 #include "conversion/volume_conversion.h"
 #include "files/inputs.h"
 #include "files/outputs.h"
@@ -12,8 +11,10 @@
 #include "inputs_part.h"
 #include "models/page_options.h"
 #include "models/site_run.h"
+#include "options/conversion_options.h"
 #include "options/field_options.h"
 #include "options/memory_options.h"
+#include "options/option_effects.h"
 #include "options/parser/settings.h"
 #include "options/parser/validators.h"
 #include "rank_files.h"
@@ -48,9 +49,10 @@ void check(const SiteArguments& arguments, const cli::GivenOptions& command, Fil
             fmt::format("{}: particles, expected volumes or models (vog-mpi convert makes "
                         "a model of them)",
                         given.inputs.front()));
-    cli::Facts facts = cli::conversion_facts(given, command, kind);
-    facts["output"] = "site";
-    facts["show"] = word_of(arguments.page.words.show());
+    const cli::Facts facts = {{"input", cli::input_fact(kind, given.inputs)},
+                              {"conversion", "moments"},
+                              {"output", "site"},
+                              {"show", word_of(arguments.page.words.show())}};
     cli::require_effects(command, facts);
     cli::check_names(arguments.page, kind == FileKind::model ? given.inputs.size() : 1);
     cli::check_page_options(arguments.page, command);
@@ -176,18 +178,10 @@ void write_page(const SiteArguments& given, const cli::GivenOptions& command, co
 }
 
 void add_volume_conversion(CLI::App& command, cli::ConvertArguments& convert) {
-    command
-        .add_option("--lod", convert.lod,
-                    "Level of detail, 1 (finest) to 5 (coarsest): uniform cells with edges of 2, "
-                    "4, 8, 16, 32 voxels")
-        ->check(CLI::Range(1, 5));
-    command
-        .add_option("--measure", convert.measure,
-                    "Weight of a voxel. density: its value; volume: 1 for each active voxel")
-        ->check(CLI::IsMember({"density", "volume"}))
-        ->capture_default_str();
+    cli::add_value(command, "--measure", convert.measure, "density volume",
+                   "Weight of a voxel. density: its value; volume: 1 for each active voxel");
     cli::add_volume_options(command, convert.volume);
-    cli::add_moment_options(command, convert);
+    cli::add_conversion_options(command, convert, true);
     cli::add_memory_options(command, convert.memory, ". Of each rank");
 }
 
@@ -226,8 +220,8 @@ void add_page(CLI::App& app, const Ranks& ranks) {
     cli::add_rounding_options(*command, arguments->rounding);
     cli::add_view_options(*command, arguments->page.view);
     cli::add_run_options(*command, convert.threads, convert.json, convert.verbose);
-    command->callback([arguments, command, &ranks] {
-        write_page(*arguments, cli::GivenOptions(*command), ranks);
+    cli::on_run(*command, [arguments, &ranks](cli::GivenOptions& given) {
+        write_page(*arguments, given, ranks);
     });
 }
 

@@ -178,11 +178,12 @@ class PartConversion {
     /// Totals of the last conversion: all ranks, all inputs.
     MomentTotals totals() const {
         MomentTotals all = totals_;
-        double sums[3] = {all.cells_mass, all.dropped_mass, double(all.dropped_cells)};
+        double sums[3] = {all.sums.mass_ratio, all.sums.dropped_mass_share,
+                          double(all.sums.dropped_cells)};
         ranks_.sum(sums);
-        all.cells_mass = sums[0];
-        all.dropped_mass = sums[1];
-        all.dropped_cells = static_cast<std::size_t>(sums[2]);
+        all.sums.mass_ratio = sums[0];
+        all.sums.dropped_mass_share = sums[1];
+        all.sums.dropped_cells = static_cast<std::size_t>(sums[2]);
         return all;
     }
 
@@ -430,13 +431,13 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     const double data_mass = conversion.data_mass();
     if (error) {
         const RelativeError whole = stages.run("measure", [&] { return error->of(model.inputs); });
-        totals.worst_error = whole.worst, totals.mean_error = whole.mean;
-        totals.interpolation_error = interpolation.worst;
-        totals.mean_interpolation_error = interpolation.mean;
+        totals.sums.measured_error = whole.worst, totals.sums.mean_error = whole.mean;
+        totals.sums.interpolation_error = interpolation.worst;
+        totals.sums.mean_interpolation_error = interpolation.mean;
         const double beyond =
             error_beyond_interpolation(whole, interpolation, kDefaultError, from.active_voxels);
-        totals.stopped_by_count = searches && moments.error == 0 && beyond > kDefaultError &&
-                                  default_count(from.active_voxels) < from.active_voxels;
+        totals.sums.stopped_by_count = searches && moments.error == 0 && beyond > kDefaultError &&
+                                       default_count(from.active_voxels) < from.active_voxels;
     }
     if (!arguments.no_fields && !fields) read_fields();
     if (fields)

@@ -1,47 +1,13 @@
-// conversion_summary.cpp: the choice of a cut in options, and the one-line summary of a conversion.
+// conversion_summary.cpp: the one-line summary of a conversion.
 #include <fmt/core.h>
 
-#include <array>
 #include <string>
-#include <utility>
 
 #include "vog/convert_moments.h"
-#include "vog/convert_points.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog {
-
-namespace {
-
-/// throws vog::Error where two members are set
-void require_one(const CellChoice& cut) {
-    const std::array<std::pair<const char*, bool>, 4> ways{{{"block", cut.block_voxels != 0},
-                                                            {"budget", cut.budget != 0},
-                                                            {"error", cut.error != 0},
-                                                            {"lod", cut.lod != 0}}};
-    const char* chosen = nullptr;
-    for (const auto& [name, given] : ways) {
-        if (given && chosen) throw Error(fmt::format("{} and {} exclude each other", chosen, name));
-        if (given) chosen = name;
-    }
-}
-
-}  // namespace
-
-void set_cut(MomentOptions& options, const CellChoice& cut) {
-    require_one(cut);
-    options.block_voxels = cut.lod ? moment_lod(cut.lod).block_voxels : cut.block_voxels;
-    options.budget = cut.budget;
-    if (cut.error != 0) options.error = cut.error;
-}
-
-void set_cut(PointOptions& options, const CellChoice& cut) {
-    require_one(cut);
-    options.block_voxels = cut.lod ? point_lod(cut.lod).block_voxels : cut.block_voxels;
-    options.budget = cut.budget;
-    options.error = cut.error;
-}
 
 std::string summary_text(const Gaussians& model, const MomentReport& report,
                          const std::string& of) {

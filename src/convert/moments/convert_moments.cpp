@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -19,7 +18,7 @@
 #include "convert/fields/cell_fields.h"
 #include "convert/moments/moment_job.h"
 #include "core/parallel.h"
-#include "vog/convert_fields.h"
+#include "vog/conversion_schema.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -33,21 +32,12 @@ void check(const MomentOptions& options) {
     const int block = options.block_voxels;
     if (block && options.budget)
         refuse(fmt::format("block {} and budget {}, expected one of them", block, options.budget));
-    if (block && !(block >= 1 && block <= 128 && std::has_single_bit(unsigned(block))))
-        refuse(fmt::format("block {} voxels, expected a power of two from 1 to 128", block));
-    if (!(options.error >= 0 && options.error < 1))
-        refuse(fmt::format("error {}, expected in (0, 1)", options.error));
-    if (options.soft_steps < -1 || options.soft_steps > 1000)
-        refuse(fmt::format("{} soft steps, expected 0 to 1000", options.soft_steps));
-    if (!(options.spread >= 0.5f && options.spread <= 2))
-        refuse(fmt::format("spread {}, expected in [0.5, 2]", options.spread));
-    if (!(options.refine_seconds >= 0 && options.refine_seconds <= 1e6))
-        refuse(fmt::format("refine {} seconds, expected in [0, 1e6]", options.refine_seconds));
     if (options.collective &&
         (!block || options.soft_steps > 0 || options.refine_seconds > 0 || options.measure))
         refuse("several processes, expected a hard uniform cut that is not measured");
-    if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
-        refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
+    ConversionOptions values;
+    values.moments = options, values.mass_threshold = options.mass_threshold;
+    check_values(values);
 }
 
 /// The options as flags of `vog convert`, and the measured error.

@@ -17,6 +17,7 @@
 
 #include "convert/paper/grouping.h"
 #include "core/parallel.h"
+#include "vog/conversion_schema.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -34,24 +35,9 @@ constexpr std::array<std::pair<Strategy, const char*>, 6> kStrategyNames = {
      {Strategy::tree_mirror, "tree"}}};
 
 void check(const PaperOptions& options) {
-    const auto expect = [](bool holds, const char* name, auto got, const char* expected) {
-        if (!holds) throw Error(fmt::format("convert: {} {}, expected {}", name, got, expected));
-    };
-    const int block = options.dense_block;
-    expect(block == 2 || block == 4 || block == 8, "dense block", block, "2, 4 or 8");
-    expect(options.opacity_threshold >= 0 && std::isfinite(options.opacity_threshold),
-           "opacity threshold", options.opacity_threshold, "a density of 0 or more");
-    expect(options.minimum_radius_voxels >= 0 && options.minimum_radius_voxels <= 1e6f,
-           "minimum radius", options.minimum_radius_voxels, "0 to 1e6 voxels");
-    // The cutoff k = sqrt(-2 ln kappa) lies within (0, 8].
-    expect(options.kappa >= 1.3e-14f && options.kappa < 1, "kappa", options.kappa,
-           "1.3e-14 to less than 1");
-    expect(options.variance_threshold >= 0 && std::isfinite(options.variance_threshold),
-           "variance threshold", options.variance_threshold, "0 or more");
-    expect(options.similarity >= 0 && options.similarity <= 1, "similarity", options.similarity,
-           "0 to 1");
-    expect(options.tree_depth >= 1 && options.tree_depth <= 3, "tree depth", options.tree_depth,
-           "1, 2 or 3");
+    ConversionOptions values;
+    values.paper = options;
+    check_values(values);
 }
 
 /// Checks all values in one parallel pass; validate() throws with the position of the first bad

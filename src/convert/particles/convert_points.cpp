@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -19,7 +18,7 @@
 #include "convert/particles/particle_radii.h"
 #include "core/paging.h"
 #include "core/parallel.h"
-#include "vog/convert_points.h"
+#include "vog/conversion_schema.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/periodic.h"
@@ -57,20 +56,12 @@ struct PointJob {
 };
 
 void check(const PointOptions& options) {
-    const auto refuse = [](const std::string& message) { throw Error("particles: " + message); };
-    const int block = options.block_voxels;
-    if ((block != 0) + (options.budget != 0) + (options.error != 0) > 1)
-        refuse("two of block, budget and error, expected one of them or none");
-    if (block && !(block >= 1 && block <= 128 && std::has_single_bit(unsigned(block))))
-        refuse(fmt::format("block {} voxels, expected a power of two from 1 to 128", block));
-    if (!(options.error >= 0 && options.error < 1))
-        refuse(fmt::format("error {}, expected in (0, 1)", options.error));
-    if (!(options.radius >= 0 && std::isfinite(options.radius)))
-        refuse(fmt::format("radius {}, expected more than 0, or 0 for adaptive", options.radius));
-    if (options.neighbours < 1 || options.neighbours > kMostNeighbours)
-        refuse(fmt::format("neighbour {}, expected 1 to {}", options.neighbours, kMostNeighbours));
-    if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
-        refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
+    if ((options.block_voxels != 0) + (options.budget != 0) + (options.error != 0) > 1)
+        throw Error("particles: two of block, budget and error, expected one of them or none");
+    ConversionOptions values;
+    values.particles = options, values.mass_threshold = options.mass_threshold;
+    values.moments.block_voxels = options.block_voxels, values.moments.error = options.error;
+    check_values(values);
 }
 
 /// Periodic box: the one of the options, or of the file. None: open.
@@ -331,12 +322,6 @@ void describe(Gaussians& model, const Points& points, const std::string& value) 
 }
 
 }  // namespace
-
-PointOptions point_lod(int lod) {
-    PointOptions options;
-    options.block_voxels = moment_lod(lod).block_voxels;
-    return options;
-}
 
 SmoothingRadius chosen_smoothing(const Points& points, const PointOptions& options) {
     if (options.radius > 0) return {};

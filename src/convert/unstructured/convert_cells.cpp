@@ -13,6 +13,7 @@
 #include "convert/unstructured/cell_model.h"
 #include "data/fields/field_limits.h"
 #include "render/reference/cells/cell_rays.h"
+#include "vog/conversion_schema.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -25,8 +26,9 @@ namespace {
 void check(const CellOptions& options) {
     if (options.budget && options.error != 0)
         throw Error("cells: budget and error exclude each other");
-    if (!(options.error >= 0 && options.error < 1))
-        throw Error(fmt::format("cells: error {}, expected in (0, 1)", options.error));
+    ConversionOptions values;
+    values.moments.error = options.error;
+    check_values(values);
 }
 
 /// The model of the fewest Gaussians with the error, or of the default.

@@ -254,22 +254,6 @@ TEST(moments, the_threshold_drops_no_more_than_its_share_and_says_so) {
     }
 }
 
-TEST(moments, one_choice_of_cells_is_applied_and_two_are_refused) {
-    const auto options = [](const CellChoice& cut) {
-        MomentOptions chosen;
-        set_cut(chosen, cut);
-        return chosen;
-    };
-    EXPECT_EQ(options({.block_voxels = 4}).block_voxels, 4);
-    EXPECT_EQ(options({.budget = 7}).budget, 7u);
-    EXPECT_EQ(options({.error = 0.2}).error, 0.2);
-    EXPECT_EQ(options({.lod = 3}).block_voxels, moment_lod(3).block_voxels);
-    EXPECT_EQ(options({}).error, MomentOptions{}.error);
-    EXPECT_THROW((void)options({.block_voxels = 4, .budget = 7}), Error);
-    EXPECT_THROW((void)options({.error = 0.2, .lod = 1}), Error);
-    EXPECT_THROW((void)options({.lod = 6}), Error);
-}
-
 TEST(moments, the_summary_reports_counts_mass_and_error) {
     const Volume volume = sample_cloud({.size = 64});
     MomentReport report;

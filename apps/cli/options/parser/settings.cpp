@@ -1,6 +1,8 @@
 // settings.cpp: --set NAME=VALUE as options of the parser.
 #include "options/parser/settings.h"
 
+#include <algorithm>
+
 #include "terminal/usage_error.h"
 
 namespace vog::cli {
@@ -35,6 +37,16 @@ std::vector<std::string> with_settings(const std::vector<std::string>& words) {
 std::string as_typed(std::string text) {
     for (std::size_t at = 0; (at = text.find(kParsed, at)) != text.npos; at += kTyped.size())
         text.replace(at, kParsed.size(), kTyped);
+    return text;
+}
+
+std::string spelled(std::string text,
+                    const std::function<std::string(const std::string&)>& option_of) {
+    for (std::size_t at = 0; (at = text.find('`', at)) != text.npos;) {
+        const std::size_t end = text.find('`', at + 1), key = std::min(text.find('=', at), end);
+        text.replace(at, end + 1 - at,
+                     option_of(text.substr(at + 1, key - at - 1)) + text.substr(key, end - key));
+    }
     return text;
 }
 

@@ -1,6 +1,7 @@
 // settings.h: options that few runs need, which the command line states as --set NAME=VALUE.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,5 +16,9 @@ std::vector<std::string> with_settings(const std::vector<std::string>& words);
 
 /// A text whose settings are spelled as they are typed: "--set tree-depth".
 std::string as_typed(std::string text);
+
+/// A text whose names between backquotes, "`tf`" or "`light=studio`", are spelled as options.
+std::string spelled(std::string text,
+                    const std::function<std::string(const std::string&)>& option_of);
 
 }  // namespace vog::cli

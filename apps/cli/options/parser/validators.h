@@ -1,26 +1,37 @@
-// validators.h: Checks of option values with messages that name the value and the bound; groups of options, and those of every run.
+// validators.h: Options with checks of their values, whose messages name value and bound; groups of options, and those of every run.
 #pragma once
 
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <type_traits>
+#include <vector>
+
+#include "vog/conversion_schema.h"
 
 namespace vog::cli {
 
-/// A finite number, at least 0, or above 0.
-inline CLI::Validator number_from_zero(bool above) {
-    const std::string expected = above ? "a number > 0" : "a number >= 0";
-    const auto check = [above, expected](const std::string& text) -> std::string {
-        double value = 0;
-        const bool number = CLI::detail::lexical_cast(text, value);
-        const bool fits = number && (above ? value > 0 : value >= 0) && value < 1e300;
-        return fits ? std::string{} : fmt::format("{}: expected {}", text, expected);
+/// Adds an option, and its default to the help unless that is 0, -1 or empty.
+/// values  OptionValues::text
+template <class Value>
+CLI::Option* add_value(CLI::App& command, const std::string& name, Value& value,
+                       const std::string& values, const std::string& text) {
+    CLI::Option* option = command.add_option(name, value, text);
+    const OptionValues all{values, std::is_integral_v<Value>};
+    const auto refusal = [all](const std::string& word) {
+        return all.fit(word) ? "" : fmt::format("{}: expected {}", word, all.expected());
     };
-    return {check, above ? "> 0" : ">= 0", above ? "POSITIVE" : "NONNEGATIVE"};
+    if (const std::vector<std::string> words = all.words(); !words.empty())
+        option->check(CLI::IsMember(words));
+    else if (!values.empty())
+        option->check(CLI::Validator(refusal, values));
+    if constexpr (std::is_same_v<Value, std::string>)
+        option->default_str(value);
+    else if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>)
+        option->default_str(value > 0 ? fmt::format("{:g}", double(value)) : "");
+    return option;
 }
-inline CLI::Validator positive_number() { return number_from_zero(true); }
-inline CLI::Validator non_negative_number() { return number_from_zero(false); }
 
 /// Options that are added while it lives belong to a group of the help.
 class OptionGroup {
@@ -40,9 +51,7 @@ class OptionGroup {
 
 /// Adds --threads.
 inline void add_threads_option(CLI::App& command, int& threads) {
-    command.add_option("--threads", threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
+    add_value(command, "--threads", threads, "[0, inf)", "Number of threads; 0: one per core");
 }
 /// Adds --threads, --json and --verbose.
 inline void add_run_options(CLI::App& command, int& threads, bool& json, bool& verbose) {

@@ -37,49 +37,57 @@ bool is_stated(const requests::Entry& entry, const PictureRequest& request) {
     return entry.values.write(request) != entry.values.write(unset);
 }
 
-/// Whether "key" is not at its default, or "key=word" has this value.
-bool holds(const std::string& member, const PictureRequest& request) {
-    const std::size_t equals = member.find('=');
-    const requests::Entry& entry = requests::entry_of(member.substr(0, equals));
-    return equals == member.npos ? is_stated(entry, request)
-                                 : entry.values.write(request) == member.substr(equals + 1);
-}
-
-/// Why the members of a rule have no effect; empty: they have one.
-std::string reason_of(const RequestRule& rule, const PictureRequest& request,
-                      std::optional<Renderer> renderer) {
-    const auto stated = [&](const std::string& member) { return holds(member, request); };
-    const bool any = std::ranges::any_of(words_of(rule.beside), stated);
-    if (rule.values == "-")
-        return any ? fmt::format(" has no effect beside `{}`", rule.beside) : "";
-    if (rule.values == "*")
-        return any ? "" : fmt::format(" has no effect without {}", listed(rule.beside, "`"));
-    requests::Json value = requests::entry_of(rule.beside).values.write(request);
-    if (rule.beside == "renderer" && renderer) value = info_of(*renderer).name;
-    if (value.is_null() || has(rule.values, value)) return "";
-    return fmt::format(" needs {} {}{}", rule.beside, listed(rule.values),
-                       rule.shows.empty() ? "" : " on show " + listed(word_of(request.show)));
-}
-
+/// Rules on the members of a request.
+/// renderer  the one that draws it; none: the one of the request
 void require_rules(const PictureRequest& request, std::optional<Renderer> renderer) {
-    for (const RequestRule& rule : request_rules()) {
-        if (!has(rule.shows, word_of(request.show))) continue;
-        const std::string reason = reason_of(rule, request, renderer);
+    require_rules(
+        request_rules(), word_of(request.show),
+        [&](const std::string& key) { return is_stated(requests::entry_of(key), request); },
+        [&](const std::string& key) {
+            const requests::Json value = requests::entry_of(key).values.write(request);
+            if (key == "renderer" && renderer) return std::string(info_of(*renderer).name);
+            return value.is_string() ? value.get<std::string>() : std::string();
+        });
+}
+
+}  // namespace
+
+void require_rules(std::span<const OptionRule> rules, const std::string& of,
+                   const std::function<bool(const std::string&)>& is_stated,
+                   const std::function<std::string(const std::string&)>& value_of) {
+    // "key" is stated, or "key=word" has this value.
+    const auto holds = [&](const std::string& member) {
+        const std::size_t equals = member.find('=');
+        return equals == member.npos
+                   ? is_stated(member)
+                   : value_of(member.substr(0, equals)) == member.substr(equals + 1);
+    };
+    const auto reason_of = [&](const OptionRule& rule) -> std::string {
+        const bool any = std::ranges::any_of(words_of(rule.beside), holds);
+        if (rule.values == "-")
+            return any ? fmt::format(" has no effect beside {}", listed(rule.beside, "`")) : "";
+        if (rule.values == "*")
+            return any ? "" : fmt::format(" has no effect without {}", listed(rule.beside, "`"));
+        const std::string value = value_of(rule.beside);
+        if (value.empty() || has(rule.values, value)) return "";
+        return fmt::format(" needs {} {}{}", rule.beside, listed(rule.values),
+                           rule.of.empty() ? "" : " on show " + listed(of));
+    };
+    for (const OptionRule& rule : rules) {
+        if (!has(rule.of, of)) continue;
+        const std::string reason = reason_of(rule);
         if (reason.empty()) continue;
         for (const std::string& member : words_of(rule.members)) {
             const std::size_t equals = member.find('=');
             const std::string value =
                 equals == member.npos ? "" : fmt::format(" '{}'", member.substr(equals + 1));
-            if (holds(member, request))
-                throw RequestError(member.substr(0, equals), value + reason);
+            if (holds(member)) throw RequestError(member.substr(0, equals), value + reason);
         }
     }
 }
 
-}  // namespace
-
-std::span<const RequestRule> request_rules() {
-    static const std::vector<RequestRule> all = {
+std::span<const OptionRule> request_rules() {
+    static const std::vector<OptionRule> all = {
         {"show=slice", "plane", "*"},
         {"scale=symmetric", "show", "mean deviation maximum slice"},
         {"interpolation=linear", "show", "T column mean deviation volume"},

@@ -1,11 +1,24 @@
-// request_effects.h: members of a request that a renderer has no use for.
+// request_effects.h: Options without effect, by rules between them and by renderers.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "vog/picture.h"
+#include "vog/request_schema.h"
 
 namespace vog {
+
+/// Refuses options by rules.
+/// of         what the rules are for: a quantity, a conversion
+/// is_stated  whether an option is stated
+/// value_of   its value; empty: none
+/// throws     RequestError for an option without effect
+void require_rules(std::span<const OptionRule> rules, const std::string& of,
+                   const std::function<bool(const std::string&)>& is_stated,
+                   const std::function<std::string(const std::string&)>& value_of);
 
 /// throws  RequestError for a member that changes nothing of what this renderer draws of this data
 void require_renderer_effects(const PictureRequest& request, Renderer renderer,
