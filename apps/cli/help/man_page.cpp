@@ -47,6 +47,7 @@ std::string option_entry(const OptionText& option) {
     text += "\n" + roff(option.text + (ends ? "" : ".")) + "\n";
     if (!option.choices.empty())
         text += roff(fmt::format("One of {}.", fmt::join(option.choices, ", "))) + "\n";
+    if (!option.interval.empty()) text += roff(fmt::format("In {}.", option.interval)) + "\n";
     if (!option.standard.empty()) text += roff(fmt::format("Default: {}.", option.standard)) + "\n";
     if (option.required) text += "Required.\n";
     return text;

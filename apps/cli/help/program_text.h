@@ -13,6 +13,7 @@ struct OptionText {
     std::string text, group;  ///< meaning, and heading of the help
     std::string takes;        ///< kind of its value: "TEXT", "INT"; empty: a flag
     std::vector<std::string> choices;  ///< {"moments", "paper"}; empty: other values, too
+    std::string interval;              ///< "[0.5, 2]"; empty: any
     std::string standard;              ///< default in words; empty: none
     bool argument = false, required = false, many = false;
     bool setting = false;  ///< stated by --set NAME=VALUE

@@ -148,6 +148,8 @@ OptionText option_text(const CLI::Option& option) {
         std::istringstream list(type.substr(open + 1, close - open - 1));
         for (std::string choice; std::getline(list, choice, ',');) text.choices.push_back(choice);
     }
+    if (const std::size_t from = type.find_first_of("[("); from != type.npos && open == type.npos)
+        text.interval = type.substr(from);
     text.standard = option.get_default_str();
     text.required = option.get_required();
     text.many = option.get_expected_max() > 1;
