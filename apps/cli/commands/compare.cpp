@@ -263,17 +263,12 @@ void add_compare(CLI::App& app) {
     add_value(*command, setting("diff-limit"), arguments->diff_limit, "[0, inf)",
               "Difference at the end of the heat map's scale, in units of 1/255; 0: the largest "
               "difference, rounded up to 1, 2 or 5 times a power of ten");
-    command
-        ->add_option(
-            "--extinction", arguments->extinction,
-            "Extinction, the factor on density, at which depth images are compared: stored, "
-            "the reference's own; a number; or auto, where the 99th percentile of the "
-            "reference's non-zero T is 4")
-        ->capture_default_str();
-    command
-        ->add_option("--tf", arguments->tf,
-                     "Transfer function for the RGB figures of depth images: a name or a JSON file")
-        ->capture_default_str();
+    add_value(*command, "--extinction", arguments->extinction, "",
+              "Extinction, the factor on density, at which depth images are compared: stored, the "
+              "reference's own; a number; or auto, where the 99th percentile of the reference's "
+              "non-zero T is 4");
+    add_value(*command, "--tf", arguments->tf, "",
+              "Transfer function for the RGB figures of depth images: a name or a JSON file");
     command->add_flag("--json", arguments->json,
                       "Print a single JSON object; null: infinite or "
                       "undefined");

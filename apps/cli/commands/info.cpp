@@ -49,6 +49,10 @@ std::string text(const Box& box) {
 }
 std::string text(Vec3i v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
+void fact(const std::string& name, const std::string& value) {
+    print_line(fmt::format("  {:<14} {}", name, value));
+}
+
 Json as_json(const VolumeInfo& volume) {
     const GridInfo& grid = volume.grid;
     Json json = {{"name", grid.name},
@@ -86,46 +90,43 @@ Json as_json(const VolumeInfo& volume) {
 
 void print(const VolumeInfo& volume) {
     const GridInfo& grid = volume.grid;
-    const auto line = [](const char* name, const std::string& value) {
-        print_line(fmt::format("  {:<14} {}", name, value));
-    };
     print_line(fmt::format("grid '{}'", grid.name));
-    line("type", grid.type + (grid.half_stored ? ", stored as half" : ""));
-    line("class", grid.grid_class);
-    if (grid.points) line("points", count_text(grid.points));
-    line("active voxels", count_text(grid.active_voxels));
-    line("active tiles",
+    fact("type", grid.type + (grid.half_stored ? ", stored as half" : ""));
+    fact("class", grid.grid_class);
+    if (grid.points) fact("points", count_text(grid.points));
+    fact("active voxels", count_text(grid.active_voxels));
+    fact("active tiles",
          fmt::format("{} of 8^3, {} of 128^3, {} of 4096^3", count_text(grid.active_tiles[0]),
                      count_text(grid.active_tiles[1]), count_text(grid.active_tiles[2])));
-    line("leaves", fmt::format("{}, {} of them dense", count_text(grid.leaves),
+    fact("leaves", fmt::format("{}, {} of them dense", count_text(grid.leaves),
                                count_text(grid.dense_leaves)));
     if (grid.active_voxels) {
         const Vec3i size = grid.upper - grid.lower + Vec3i{1, 1, 1};
-        line("bounding box", fmt::format("{} to {}, {}x{}x{} voxels", text(grid.lower),
+        fact("bounding box", fmt::format("{} to {}, {}x{}x{} voxels", text(grid.lower),
                                          text(grid.upper), size.x, size.y, size.z));
-        line("value range", fmt::format("{:.6g} to {:.6g}{}{}", grid.min, grid.max,
+        fact("value range", fmt::format("{:.6g} to {:.6g}{}{}", grid.min, grid.max,
                                         volume.value_unit.empty() ? "" : " ", volume.value_unit));
     }
     if (volume.background != 0)
-        line("background", fmt::format("{:.6g}, density is the value above it", volume.background));
-    if (!volume.note.empty()) line("note", volume.note);
-    if (!volume.coordinates.empty()) line("coordinates", volume.coordinates);
+        fact("background", fmt::format("{:.6g}, density is the value above it", volume.background));
+    if (!volume.note.empty()) fact("note", volume.note);
+    if (!volume.coordinates.empty()) fact("coordinates", volume.coordinates);
     if (grid.affine) {
-        if (!grid.world.empty()) line("world box", text(grid.world));
+        if (!grid.world.empty()) fact("world box", text(grid.world));
         const Mat3& m = grid.world_from_index.linear;
-        line("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", length(m.column(0)),
+        fact("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", length(m.column(0)),
                                        length(m.column(1)), length(m.column(2)),
                                        volume.length_unit.empty() ? "" : " ", volume.length_unit));
         for (int r = 0; r < 3; ++r) {
             const Vec3d row = m.row[static_cast<std::size_t>(r)];
-            line(r == 0 ? "transform" : "",
+            fact(r == 0 ? "transform" : "",
                  fmt::format("{:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}", row.x, row.y, row.z,
                              grid.world_from_index.translation[r]));
         }
     } else {
-        line("transform", "not affine (a frustum)");
+        fact("transform", "not affine (a frustum)");
     }
-    line("memory", bytes_text(grid.memory_bytes));
+    fact("memory", bytes_text(grid.memory_bytes));
 }
 
 /// Calls take(field, kind) for each field of a model.
@@ -165,35 +166,32 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t b
 }
 
 void print(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t bytes) {
-    const auto line = [](const char* name, const std::string& value) {
-        print_line(fmt::format("  {:<14} {}", name, value));
-    };
     Box bounds;
     for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
     print_line("model");
-    line("Gaussians",
+    fact("Gaussians",
          count_text(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
-    line("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
-    line("mass", fmt::format("{:.8g} (density times world volume)", mass(model)));
-    if (!bounds.empty()) line("bounds", text(bounds));
-    if (!model.box.empty()) line("data box", text(model.box));
+    fact("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
+    fact("mass", fmt::format("{:.8g} (density times world volume)", mass(model)));
+    if (!bounds.empty()) fact("bounds", text(bounds));
+    if (!model.box.empty()) fact("data box", text(model.box));
     const Vec3d o = model.origin;
     if (o != Vec3d{})
-        line("origin", fmt::format("({}, {}, {}), which means are relative to", o.x, o.y, o.z));
+        fact("origin", fmt::format("({}, {}, {}), which means are relative to", o.x, o.y, o.z));
     for_each_field(model.fields, [&](const auto& field, const char* kind) {
-        line("field", fmt::format("{}, {}, {:.6g} to {:.6g}{}{}", field.name, kind, field.lower,
+        fact("field", fmt::format("{}, {}, {:.6g} to {:.6g}{}{}", field.name, kind, field.lower,
                                   field.upper, field.unit.empty() ? "" : " ", field.unit));
     });
-    if (!model.source.empty()) line("source", model.source);
+    if (!model.source.empty()) fact("source", model.source);
     if (model.source_voxels)
-        line("share", fmt::format("{:.3g} % of {} active voxels or particles",
+        fact("share", fmt::format("{:.3g} % of {} active voxels or particles",
                                   100.0 * static_cast<double>(model.size()) /
                                       static_cast<double>(model.source_voxels),
                                   count_text(model.source_voxels)));
-    if (!model.method.empty()) line("method", model.method + " " + model.options);
-    if (!model.summary.empty()) line("summary", model.summary);
-    line("hierarchy", hierarchy.empty() ? "none" : count_text(hierarchy.size()) + " nodes");
-    line("size", bytes_text(bytes));
+    if (!model.method.empty()) fact("method", model.method + " " + model.options);
+    if (!model.summary.empty()) fact("summary", model.summary);
+    fact("hierarchy", hierarchy.empty() ? "none" : count_text(hierarchy.size()) + " nodes");
+    fact("size", bytes_text(bytes));
 }
 
 struct ValueRange {
@@ -248,25 +246,22 @@ Points described_points(const std::filesystem::path& file, const std::string& ty
 
 /// type  of the particles; empty: the format has none
 void print(const Points& points, const std::string& type, const std::vector<std::string>& notes) {
-    const auto line = [](const std::string& name, const std::string& value) {
-        print_line(fmt::format("  {:<14} {}", name, value));
-    };
     const Box box = bounds(points);
     print_line(type.empty() ? "particles" : fmt::format("particles '{}'", type));
-    line("count", count_text(points.size()));
-    line("box", text(box));
-    line("velocities", points.velocity.empty() ? "none" : "yes");
+    fact("count", count_text(points.size()));
+    fact("box", text(box));
+    fact("velocities", points.velocity.empty() ? "none" : "yes");
     for (const ValueRange& range : value_ranges(points))
-        line(range.name,
+        fact(range.name,
              fmt::format("{:.6g} to {:.6g}", range.low, range.high) +
                  (range.missing ? fmt::format(", {} missing", count_text(range.missing)) : ""));
-    for (const std::string& note : notes) line("note", note);
+    for (const std::string& note : notes) fact("note", note);
 }
 
 void print_nonfinite(const ValueNotes& notes) {
     if (notes.skipped_nonfinite)
-        print_line(fmt::format("  {:<14} {} more, which --skip-nonfinite leaves out", "not finite",
-                               count_text(notes.skipped_nonfinite)));
+        fact("not finite", fmt::format("{} more, which --skip-nonfinite leaves out",
+                                       count_text(notes.skipped_nonfinite)));
 }
 
 /// Models of a site, from its manifest alone.
@@ -291,20 +286,17 @@ Json as_json(const SiteInfo& site) {
 }
 
 void print(const SiteInfo& site) {
-    const auto line = [](const std::string& name, const std::string& value) {
-        print_line(fmt::format("  {:<14} {}", name, value));
-    };
     print_line(fmt::format("site of {} model{}{}", site.models.size(),
                            site.models.size() > 1 ? "s" : "", site.steps ? ", steps in time" : ""));
     for (const SiteModelInfo& model : site.models) {
-        line("model", printable(model.name));
-        line("Gaussians", count_text(model.gaussians));
-        if (!model.description.box.empty()) line("data box", text(model.description.box));
+        fact("model", printable(model.name));
+        fact("Gaussians", count_text(model.gaussians));
+        if (!model.description.box.empty()) fact("data box", text(model.description.box));
         if (!model.description.fields.empty())
-            line("fields", fmt::format("{}", fmt::join(model.description.fields.names(), ", ")));
+            fact("fields", fmt::format("{}", fmt::join(model.description.fields.names(), ", ")));
         for (std::size_t depth = 0; depth < model.levels.size(); ++depth) {
             const SiteLevel& level = model.levels[depth];
-            line(fmt::format("depth {}", depth),
+            fact(fmt::format("depth {}", depth),
                  fmt::format("{} chunks, {} Gaussians and nodes, {}, error {:.4g}",
                              count_text(level.chunks), count_text(level.gaussians),
                              bytes_text(level.bytes), level.error));

@@ -82,10 +82,8 @@ void add_sample(CLI::App& app) {
               fmt::format("Voxels along an edge, 64 to 1024 (default {}); amr: of the finest "
                           "level; particles: the cube root of their number, 8 to 512 (default {})",
                           SampleOptions{}.size, ParticleSampleOptions{}.size));
-    command
-        ->add_option(setting("seed"), arguments->options.seed,
-                     "Seed of the random numbers: other seeds give other shapes")
-        ->capture_default_str();
+    add_value(*command, setting("seed"), arguments->options.seed, "",
+              "Seed of the random numbers: other seeds give other shapes");
     command->add_flag("--half", arguments->half,
                       "Store voxel values as 16-bit floats; not for particles");
     add_threads_option(*command, arguments->threads);

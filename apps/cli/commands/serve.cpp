@@ -98,12 +98,9 @@ void add_serve(CLI::App& app) {
     CLI::Option* port =
         add_value(*command, "--port", arguments->server.port, "[0, 65535]",
                   "Port to listen at; 0: any free one. Default: 8080, or the next free one");
-    command
-        ->add_option(
-            setting("host"), arguments->server.host,
-            "Address or name to listen at; other machines can read the site where it is not "
-            "this machine's loopback: 0.0.0.0, all addresses")
-        ->capture_default_str();
+    add_value(*command, setting("host"), arguments->server.host, "",
+              "Address or name to listen at; other machines can read the site where it is not this "
+              "machine's loopback: 0.0.0.0, all addresses");
     command
         ->add_option(setting("allow-origin"), arguments->server.allow_origin,
                      "Origin whose pages may read the files, as https://example.org, or * for all; "

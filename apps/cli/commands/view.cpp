@@ -214,8 +214,7 @@ void add_view(CLI::App& app) {
         "--steps,!--no-steps", arguments->steps,
         "Whether the models are steps in time, with a play bar, one extinction and one "
         "range; default: those that one pattern matches");
-    command->add_option("--size", arguments->size, "Size of the window in pixels, WxH")
-        ->capture_default_str();
+    add_value(*command, "--size", arguments->size, "", "Size of the window in pixels, WxH");
     command->add_option("--script", arguments->script,
                         "Run the actions in this file, then exit (docs/viewer.md)");
     command->add_flag("--headless", arguments->headless,

@@ -151,8 +151,7 @@ void add_voxelize(CLI::App& app) {
         "--skip-nonfinite", arguments->values.skip_nonfinite,
         "Leave out splats with NaN or infinite numbers, which are an error otherwise; "
         "their number is reported");
-    command->add_option("--name", arguments->name, "Name of the grid of density")
-        ->capture_default_str();
+    add_value(*command, "--name", arguments->name, "", "Name of the grid of density");
     add_memory_options(*command, arguments->memory, "; a .vdb only");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     on_run(*command, [arguments](GivenOptions& given) { run_voxelize(*arguments, given); });

@@ -146,10 +146,8 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
                     "Point x,y,z to look at, world units; default: the centre of the bounding box")
         ->check(vector_error);
     add_up_option(command, arguments);
-    command
-        .add_option(setting("roll"), arguments.roll_degrees,
-                    "Turn the camera clockwise about its view direction, degrees")
-        ->capture_default_str();
+    add_value(command, setting("roll"), arguments.roll_degrees, "",
+              "Turn the camera clockwise about its view direction, degrees");
     command.add_option(
         "--camera", arguments.camera_file,
         "File of the camera: a picture that vog wrote, or JSON with eye, look_at, up and "

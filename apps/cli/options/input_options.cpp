@@ -55,16 +55,12 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
                     "default: columns of these names, else the first ones")
         ->delimiter(',');
     command.add_option("--value", options.value, conversion_text("value"));
-    command
-        .add_option(
-            "--radius", options.radius,
-            "Standard deviation of a particle's Gaussian, world units; adaptive: half the "
-            "distance to its k-th nearest neighbour (--neighbours); or the attribute with the "
-            "radii at which the particles' kernels end. auto: SmoothingLength where the file "
-            "has it, else adaptive. With --method paper: "
-            "its radius, sqrt(2) standard deviations; default: half the edge of a voxel "
-            "that holds one particle on average")
-        ->capture_default_str();
+    add_value(command, "--radius", options.radius, "",
+              "Standard deviation of a particle's Gaussian, world units; adaptive: half the "
+              "distance to its k-th nearest neighbour (--neighbours); or the attribute with the "
+              "radii at which the particles' kernels end. auto: SmoothingLength where the file has "
+              "it, else adaptive. With --method paper: its radius, sqrt(2) standard deviations; "
+              "default: half the edge of a voxel that holds one particle on average");
     command
         .add_option("--periodic", options.periodic,
                     "Periodic box: its edge, x,y,z edges from 0, or x0,y0,z0,x1,y1,z1, world "
