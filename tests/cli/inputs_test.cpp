@@ -202,7 +202,7 @@ TEST_F(inputs, options_without_effect_are_refused) {
         EXPECT_NE(result.error.find("--budget"), std::string::npos);
         EXPECT_LT(result.error.size(), 120u) << result.error;
     }
-    must_fail(2, "render c.vdb -o b.png --threads -1", "-1: expected a number >= 0");
+    must_fail(2, "render c.vdb -o b.png --threads -1", "-1: expected a whole number, at least 0");
 }
 
 }  // namespace vog::test

@@ -52,6 +52,8 @@ class SourceRenderer {
             }
             case Show::mean:
             case Show::deviation:
+                before = {0, 0, std::move(sums.column), std::move(sums.mean),
+                          std::move(sums.deviation)};
                 return take(fields(picture, picture.field, progress), sums);
             case Show::slice:
                 return take(slice(picture, picture.field, progress), sums);
@@ -97,6 +99,8 @@ class SourceRenderer {
     DrawReport report;  ///< on the last picture
 
   protected:
+    FieldMaps before;  ///< maps of the picture before, whose memory fields() may use
+
     /// The slice on the plane itself.
     virtual FieldMaps section(const ResolvedPicture&, const FieldChoice&, const Progress&) {
         throw Error("no slices by this renderer, expected splat or reference");

@@ -27,9 +27,11 @@ class SplatPictures : public SourceRenderer {
         const PictureRequest& request = picture.request;
         SplatOptions options = splat_options(request);
         options.progress = progress;
-        return render_field_splat(model(), choice, picture.camera(), request.width, request.height,
-                                  options, source_.hierarchy ? &report.cut.emplace() : nullptr,
-                                  request.options.clip);
+        FieldMaps maps = std::exchange(before, {});
+        render_field_splat(model(), choice, picture.camera(), request.width, request.height,
+                           options, maps, source_.hierarchy ? &report.cut.emplace() : nullptr,
+                           request.options.clip);
+        return maps;
     }
 
     PreparedLayer layer(const ResolvedPicture& picture) override {

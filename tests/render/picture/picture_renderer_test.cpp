@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -416,6 +417,31 @@ TEST(picture_renderer, draws_from_many_cameras_with_one_preparation) {
     for (std::size_t n = 0; n < first.light.size(); ++n)
         EXPECT_EQ(first.light[n].a, again.light[n].a) << n;
     EXPECT_EQ(first.light.size(), std::size_t{kWidth} * kHeight);
+}
+
+TEST(picture_renderer, draws_maps_into_the_memory_of_those_before) {
+    PictureRenderer drawn(scene_of(some_model()));
+    const auto draw = [&](const View& view, Sums& sums) {
+        drawn.draw(resolve(request_of(Show::mean, "temperature", view.camera, {}), drawn.scene()),
+                   sums);
+    };
+    const auto memory = [](const Sums& sums) {
+        return std::array{sums.column.data(), sums.mean.data(), sums.deviation.data()};
+    };
+    Sums sums, fresh;
+    draw(views()[2], sums);
+    const auto before = memory(sums);
+    draw(views()[0], sums);
+    EXPECT_EQ(memory(sums), before);
+    draw(views()[0], fresh);
+    EXPECT_EQ(sums.column, fresh.column);
+    for (std::size_t n = 0; n < fresh.mean.size(); ++n)  // NaN where nothing is
+        if (fresh.column[n] > 0) {
+            EXPECT_EQ(sums.mean[n], fresh.mean[n]) << n;
+            EXPECT_EQ(sums.deviation[n], fresh.deviation[n]) << n;
+        } else {
+            EXPECT_TRUE(std::isnan(sums.mean[n]) && std::isnan(sums.deviation[n])) << n;
+        }
 }
 
 }  // namespace vog::test
