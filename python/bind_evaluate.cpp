@@ -48,7 +48,7 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     if (options.by_value)
         options.value_functions = texts;
     else if (texts.size() > 1)
-        throw Error("tf: several are of show='volume'");
+        throw Error("tf: several transfer functions need show='volume'");
     else if (!texts.empty())
         options.tf = texts.front();
     options.voxels = voxels;

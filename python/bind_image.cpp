@@ -51,7 +51,7 @@ Bitmap plotted(const DepthImage& depth, const std::string& quantity, const py::o
         throw Error("plot: quantity '" + quantity + "', expected 'column' or 'T'");
     const bool column = quantity == "column";
     if (!column && (log.value_or(false) || !range.is_none() || !units.empty()))
-        throw Error("plot: log, range and units are of quantity 'column'");
+        throw Error("plot: log, range and units work only with quantity 'column'");
     const Show show = show_named(quantity);
     const TransferFunction map =
         tf.is_none() ? named_transfer_function(default_map(show)) : transfer_function_of(tf);

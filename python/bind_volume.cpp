@@ -415,8 +415,8 @@ void require_mesh(const Levels& levels, bool force) {
     const Arrangement arrangement = unlocked([&] { return arrangement_of(levels); });
     if (!arrangement.is_mesh())
         throw Error(arrangement.text +
-                    "; expected one at a time, or Levels(volumes, force=True): the finest counts, "
-                    "of equal voxels the first");
+                    "; use one at a time, or Levels(volumes, force=True): the finest counts, or "
+                    "the first if voxels are equal");
 }
 
 void bind_levels_class(py::module_& m) {

@@ -56,28 +56,22 @@ int main(int argc, char** argv) {
     vog::cli::prepare_process();
     CLI::App app{
         "vog converts sparse volumes and particles into 3D Gaussians, without training, and "
-        "renders\n"
-        "them by exact line integration.   load -> convert -> render -> shade -> compare\n\n"
-        "Terms of the options:\n"
-        "  model       a sum of truncated 3D Gaussians that stands for a density, in a PLY file\n"
-        "  T           optical depth: the integral of density along a pixel's ray, times "
-        "extinction\n"
-        "  extinction  factor on density, per world unit; chosen when a picture is rendered\n"
-        "  V           1 - exp(-T), in [0, 1): one minus transmittance. Transfer functions map V "
-        "to colour\n"
-        "  share       Gaussians divided by active voxels (or particles) of the input\n"
-        "  cell        group of voxels that becomes one Gaussian; a cut is a choice of cells\n\n"
-        "  vog sample cloud cloud.vdb\n"
-        "  vog cloud.vdb                            its contents, and commands to try\n"
-        "  vog convert cloud.vdb -o cloud.ply\n"
-        "  vog render cloud.ply -o cloud.png --tf blue-white"};
+        "renders\nthem by exact line integration.   load -> convert -> render -> shade -> "
+        "compare\n\nTerms of the options:\n  model       a sum of truncated 3D Gaussians that "
+        "represents a density; a .ply or .vogz file\n  T           optical depth: the integral of "
+        "density along a pixel's ray, times extinction\n  extinction  factor on density, per world "
+        "unit; chosen for each picture\n  V           1 - exp(-T), in [0, 1): one minus "
+        "transmittance. Transfer functions map V to colour\n  share       Gaussians divided by "
+        "active voxels (or particles) of the input\n  cell        group of voxels that becomes one "
+        "Gaussian; a cut is a choice of cells\n\n  vog sample cloud cloud.vdb\n  vog cloud.vdb     "
+        "                       describes the file and suggests commands\n  vog convert cloud.vdb "
+        "-o cloud.ply\n  vog render cloud.ply -o cloud.png --tf blue-white"};
     app.name("vog");
     vog::cli::set_help(app);
     app.set_version_flag("--version", vog::cli::version_text("vog"),
                          "Print version, commit and build type");
     app.require_subcommand(1);
-    app.footer(
-        "vog COMMAND --help explains the common options of a command, --help-all every one.");
+    app.footer("vog COMMAND --help explains a command's common options, --help-all all of them.");
     vog::cli::add_sample(app);
     vog::cli::add_info(app);
     vog::cli::add_convert(app);

@@ -86,7 +86,7 @@ __attribute__((target("arch=x86-64"))) void check_processor(int, char**, char**)
         if (known && (registers[set.reg] >> set.bit & 1u)) continue;
         say("vog: this processor has no ");
         say(set.name);
-        say(", which this program was compiled for; expected a build without -march, or another "
+        say(", which this program was compiled for; build without -march, or use another "
             "machine\n");
         asm volatile("syscall" : : "a"(231L), "D"(1L) : "rcx", "r11", "memory");  // exit_group(1)
     }

@@ -34,7 +34,7 @@ struct FieldDifference {
     /// of the field.
     double deviation_l2 = 0;
     double mean_bias = 0;       ///< weighted mean of mean - mean_ref, in the field's unit
-    double deviation_bias = 0;  ///< likewise of the deviation
+    double deviation_bias = 0;  ///< mean difference of the deviation
     double largest_mean = 0;    ///< mean - mean_ref of largest magnitude, with its sign
     int largest_column = 0, largest_row = 0;  ///< its pixel
     double counted = 0;                       ///< share of all pixels that count, [0, 1]

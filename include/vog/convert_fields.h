@@ -25,7 +25,7 @@ struct JointReport {
     /// Relative L2 of the optical depth T in the worst of the error views (MomentReport::measured_error), before and after
     /// the steps.
     double error_before = -1, error_after = -1;
-    /// Relative L2 of premultiplied colour and alpha against the voxels' pictures by value, under a ramp, three narrow
+    /// Relative L2 of premultiplied colour and alpha against the voxels' volume pictures, under a ramp, three narrow
     /// bands and an opaque step together, in the worst of the error views; -1: not measured.
     double value_error = -1;
     std::size_t removed = 0;  ///< Gaussians left without any voxel
@@ -80,7 +80,7 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
                 std::span<const std::vector<VoxelField>> fields, const FieldOptions& options = {});
 
 /// Converts voxels to a model with fields: convert_moments, whose adaptive cuts follow the fields (carried_fields), then
-/// add_fields. With a joint_field for pictures of that field by value: errors by value
+/// add_fields. With a joint_field for volume pictures of that field: errors of these
 /// (JointReport::value_error) take the place of those of T: moments.error is met by the fewest Gaussians, to 5 %, or,
 /// where no count meets it, the count of least error is taken; moments.refine_seconds splits Gaussians where pictures by
 /// value err and merges as many elsewhere, as long as their error falls. The default without error, budget and block is
@@ -88,7 +88,7 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
 /// fields   as for add_fields, at the voxels of the volume or of the parts of the mesh
 /// options  joint_field with an error or refinement: a scalar field that is not constant
 /// throws   vog::Error as convert_moments and add_fields do, and for those fields
-/// cost     with joint_field and an error or refinement 36 pictures of the voxels by value; a search for an error some
+/// cost     with joint_field and an error or refinement 36 volume pictures of the voxels; a search for an error some
 ///          ten conversions
 [[nodiscard]] Gaussians convert_for_field(const Volume& volume,
                                           std::span<const std::vector<VoxelField>> fields,

@@ -30,7 +30,7 @@ struct Collective {
     /// Replaces each element by its sum over all processes, the same bytes in each process. Every
     /// process passes as many elements. Throws if a process has failed. Empty: a single process.
     std::function<void(std::span<double>)> allreduce_sum{};
-    /// Replaces each element by its maximum over all processes, likewise.
+    /// Replaces each element by its maximum over all processes.
     std::function<void(std::span<double>)> allreduce_max{};
     /// Sends to[p] to process p. Returns a vector from each process, in their order.
     std::function<std::vector<std::vector<float>>(const std::vector<std::vector<float>>& to)>
@@ -83,7 +83,7 @@ void validate(const VolumePart& part);
 class VolumeReader {
   public:
     /// options  as of read_volume in vog/volume_io.h
-    /// throws   vog::Error as read_volume does, but values of a .vdb are checked by read alone
+    /// throws   vog::Error as read_volume does, but only read checks the values of a .vdb
     explicit VolumeReader(const std::filesystem::path& file, const VdbOptions& options);
     explicit VolumeReader(const std::filesystem::path& file);
     ~VolumeReader();
@@ -153,7 +153,7 @@ struct ModelPart {
 /// Reads a part of a model without reading the rest. Box and source_voxels are those of the whole.
 /// throws  vog::Error as read_ply in vog/ply.h does, and for an index out of range
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part);
-/// The same of a compact model (vog/vogz.h), of which the chunks of the part alone are read.
+/// The same for a compact model (vog/vogz.h); reads only the chunks of the part.
 /// throws  vog::Error as read_vogz does, and for an index out of range
 Gaussians read_vogz(const std::filesystem::path& file, const ModelPart& part);
 /// The same of a .ply or .vogz.

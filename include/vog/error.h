@@ -11,7 +11,7 @@ namespace vog {
 /// values that would be valid: `smoke.vdb: no grid named 'density' (it has: temperature, flame)`.
 class Error : public std::runtime_error {
   public:
-    /// message  one line; names and bytes from files may be in it as they are: what() is
+    /// message  one line; may contain raw names and bytes from files: what() is
     ///          printable(message)
     explicit Error(const std::string& message);
 };

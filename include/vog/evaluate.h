@@ -83,13 +83,13 @@ std::vector<EvaluationView> evaluation_views(const Box& box);
 /// (vog/compare_maps.h).
 struct FieldResult {
     double mean_l2 = 0,    ///< relative L2 of the mean, weighted by the column
-        deviation_l2 = 0,  ///< L2 of the deviation over the field's root mean square, likewise
+        deviation_l2 = 0,  ///< L2 of the deviation over the field's root mean square
         missing = 0;       ///< share of the weight where the row's picture has no column, [0, 1]
 };
 
-/// Views of pictures by value, three bounding radii from the centre.
+/// Views of volume pictures, three bounding radii from the centre.
 inline constexpr const char* kValueViews[] = {"paper", "+x", "-x", "+y", "-y", "+z", "-z"};
-/// Difference of a row's picture by value (docs/volume_rendering.md) from the voxels', over black, in one view.
+/// Difference of a row's volume picture (docs/volume_rendering.md) from the voxels', over black, in one view.
 struct ValueResult {
     double psnr_rgb_db = 0,  ///< PSNR of RGB over all pixels, dB; infinity: no 8-bit value differs
         ssim = 0;            ///< structural similarity of the luma, [-1, 1]; NaN below 11 pixels
@@ -123,7 +123,7 @@ struct EvaluationRow {
     double mass_ratio = 1;            ///< mass of the model / mass of the data
     Timing convert;                 ///< conversions: up to 3 runs, one if it takes a second or more
     std::vector<ViewResult> views;  ///< in the order of Evaluation::views
-    /// [Evaluation::functions][kValueViews] of pictures by value; empty: none, or a row with boxes.
+    /// [Evaluation::functions][kValueViews] of volume pictures; empty: none, or a row with boxes.
     std::vector<std::vector<ValueResult>> values{};
     /// Field error: the model on the volume's own lattice (vog/voxelize.h) against the volume. None: not requested, or a
     /// row with boxes, which are of pictures.
@@ -142,7 +142,7 @@ Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is
 /// The same of a figure of field number `field`, the largest value being the worst.
 /// figure  member of FieldResult: &FieldResult::mean_l2
 Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*figure);
-/// The same of pictures by value under function number `function`, the least value being the worst.
+/// The same for volume pictures under function number `function`; the least value is the worst.
 /// figure  member of ValueResult: &ValueResult::psnr_rgb_db
 Spread spread(const EvaluationRow& row, std::size_t function, double ValueResult::*figure);
 
@@ -161,7 +161,7 @@ struct Evaluation {
     std::string machine;                ///< name of the processor
     int threads = 1;                    ///< threads of conversions and renders
     std::vector<std::string> fields{};  ///< names of the fields whose maps are compared
-    std::vector<std::string> functions{};  ///< transfer functions of the pictures by value
+    std::vector<std::string> functions{};  ///< transfer functions of the volume pictures
     bool voxels = false;                   ///< whether rows have EvaluationRow::voxels
     std::vector<EvaluationView> views;     ///< views with their references
     std::vector<EvaluationRow> rows;       ///< one for each conversion, in their order

@@ -96,7 +96,7 @@ struct HtmlReport {
 /// HtmlOptions::precise divides them by 4 and by 2.
 /// Gaussians of density 0 are left out.
 /// throws  vog::Error for no model, a model without levels, an invalid model or one too large for a
-///         browser, a quantity that the first model has not, an unusable camera, transfer function or extinction,
+///         browser, a quantity that the first model lacks, an unusable camera, transfer function or extinction,
 ///         an unwritable file
 HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
                       const HtmlOptions& options = {});
@@ -137,7 +137,7 @@ struct HtmlSource {
 /// throws  vog::Error for another file, or one that is malformed
 std::vector<HtmlModel> models_to_stream(const std::filesystem::path& path);
 
-/// Writes a page alone, whose models lie elsewhere, with a security policy that lets it read from that origin and no other.
+/// Writes only a page, for models at another address, with a security policy that lets it read from no other origin.
 /// models  of models_to_stream
 /// throws  vog::Error as write_html, and for an address of another scheme, with a user, or with characters that addresses
 ///         write encoded

@@ -29,7 +29,7 @@ struct FieldChoice {
 };
 
 /// Reads "temperature", "velocity" (the component along the view), "velocity.x" or "velocity.magnitude".
-/// throws  vog::Error listing the fields of the model, for one it lacks and a part that the field has not
+/// throws  vog::Error listing the fields of the model, for an unknown field or part
 FieldChoice field_choice(const std::string& text, const Fields& fields);
 /// Name of the shown number: "temperature", "velocity along the view", "velocity.x", "rms of velocity".
 std::string field_label(const FieldChoice& choice);
@@ -44,7 +44,7 @@ struct FieldMaps {
     std::vector<float>
         mean;  ///< [height * width] of the field weighted by the measure; NaN without column
     std::vector<float>
-        deviation;  ///< [height * width] standard deviation likewise, >= 0; NaN without column
+        deviation;  ///< [height * width] standard deviation, >= 0; NaN without column
 };
 
 /// Values that count for a color scale: where the column is at least a thousandth of the largest. Others are

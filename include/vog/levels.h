@@ -1,5 +1,5 @@
 // vog/levels.h: Levels of an adaptive mesh (AMR): volumes of different voxel size form one field, in
-// which at every point the finest active volume counts alone.
+// which only the finest active volume counts at every point.
 // Levels are compared in world space and may lie at any offset, angle and ratio to each other.
 // docs/amr.md has the rules and their accuracy.
 #pragma once
@@ -27,7 +27,7 @@ struct Levels {
 /// Rule for the space where volumes overlap.
 enum class Overlap {
     add,   ///< densities, and so optical depths, add up
-    hide,  ///< levels of an adaptive mesh: at every point the finest active one counts alone
+    hide,  ///< levels of an adaptive mesh: only the finest active one counts at every point
 };
 
 /// Volumes that are drawn or converted together, and how they combine.

@@ -91,8 +91,8 @@ struct CutReport {
 /// it, or neither where it is out of view. Buffers, 32 bytes a node, are kept from view to view.
 class ViewCut {
   public:
-    /// model, hierarchy  must outlive it and stay as they are
-    /// cutoff            of the kernels as they are drawn, standard deviations; 0: the model's
+    /// model, hierarchy  must outlive it, unchanged
+    /// cutoff            of the drawn kernels, standard deviations; 0: the model's
     /// throws            vog::Error for a hierarchy that validate() refuses for this model
     ViewCut(const Gaussians& model, const Hierarchy& hierarchy, double cutoff = 0);
     ~ViewCut();

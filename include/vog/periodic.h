@@ -35,7 +35,7 @@ void add_periodic_images(Gaussians& model, const Box& box);
 inline constexpr const char* kPeriodicOption = "--periodic ";
 /// Box of a model with images; none: not periodic.
 std::optional<Box> periodic_box(const Gaussians& model);
-/// A model without its images, for programs that do not clip; other models stay as they are.
+/// A model without its images, for programs that do not clip; other models are returned unchanged.
 Gaussians without_images(Gaussians model);
 /// Mass of the data of a model: without its images, whose centres lie outside the box; of other models that of all Gaussians.
 double mass_without_images(const Gaussians& model);

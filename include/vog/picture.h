@@ -195,7 +195,7 @@ struct Layer {
     std::string field{};  ///< as PictureRequest::field
     TransferRequest transfer{};
     ScaleFit fit = ScaleFit::automatic;
-    /// Draws the field on a plane alone, in the colours of its values. Where a threshold or bands show nothing, the plane has a hole.
+    /// Draws the field only on a plane, in the colours of its values. Where a threshold or bands show nothing, the plane has a hole.
     std::optional<SlicePlane> plane{};
     /// Colour of a surface; nothing: those of its points, else a light grey.
     std::optional<std::array<float, 3>> color{};
@@ -331,7 +331,7 @@ class PictureRenderer {
     const Scene& scene() const;
     /// Prepares the data for pictures like this one, as the first draw() does otherwise.
     void prepare(const ResolvedPicture& picture);
-    /// sums      receives the picture, its memory is reused; on the root of several processes alone it is complete
+    /// sums      receives the picture, its memory is reused; with several processes it is complete only on the root
     /// progress  called with the finished fraction; not by all renderers
     /// throws    vog::Error for options that are not the renderer's, and as the renderer itself does
     void draw(const ResolvedPicture& picture, Sums& sums, const Progress& progress = {});

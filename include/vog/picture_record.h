@@ -34,7 +34,7 @@ struct PictureRecord {
 std::string record_json(const PictureRecord& record);
 /// throws  vog::Error for text that is no record, and as request_of_json does
 PictureRecord record_of_json(const std::string& json);
-/// Record of a page's link (docs/web.md): its members of a request; words of the page alone are left out, and it names no inputs.
+/// Record of a page's link (docs/web.md): its members of a request, without the page's own words; it names no inputs.
 /// link    "https://example.org/page.html#show=column&tf=viridis&camera.eye=1,2,3"; counts from its first '#'
 /// throws  RequestError for another word, and as request_of_json does
 PictureRecord record_of_link(const std::string& link);

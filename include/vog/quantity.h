@@ -49,7 +49,7 @@ ColorScale automatic_scale(std::span<const DepthImage> images, ScaleFit fit);
 
 /// Shades values, such as column densities, by a scale: tf(position) where a value is above 0,
 /// the background elsewhere, mixed by the opacity as shade() does.
-/// throws  vog::Error as shade() does, for an invalid scale, and for options.blend, which is of V
+/// throws  vog::Error as shade() does, for an invalid scale, and for options.blend, which needs V
 Image shade_values(const DepthImage& values, const TransferFunction& tf, const ColorScale& scale,
                    const ShadeOptions& options = {});
 

@@ -1,4 +1,4 @@
-// vog/value_transfer.h: transfer functions of a field's values: colour and extinction, for volume rendering by value
+// vog/value_transfer.h: transfer functions of a field's values: colour and extinction, for volume rendering
 // (docs/volume_rendering.md).
 //   extinction = -ln(1 - opacity) / unit_distance
 // with colour and opacity piecewise linear in the value between points, constant beyond the first and the last.

@@ -1,5 +1,5 @@
 // vog/vogz.h: models in compact files. Numbers are rounded on lattices as fine as a Gaussian is small, and coded by what
-// differs from their neighbours, in chunks with checksums: a reader may take a level, a box or some fields alone.
+// differs from their neighbours, in chunks with checksums: a reader may load just a level, a box or some fields.
 // docs/formats.md has the layout, docs/compact.md sizes and errors.
 #pragma once
 
@@ -87,7 +87,7 @@ VogzInfo read_vogz_info(const std::filesystem::path& file);
 /// hierarchy  receives the file's hierarchy, or an empty one; null: not read
 /// throws     vog::Error for a missing, truncated or corrupt file, or one of a newer version
 Gaussians read_vogz(const std::filesystem::path& file, Hierarchy* hierarchy = nullptr);
-/// Reads a part, and of the file its chunks alone.
+/// Reads a part of a model, and only its chunks of the file.
 /// throws  vog::Error as above, and for a level or field that the file lacks
 Gaussians read_vogz(const std::filesystem::path& file, const VogzPart& part);
 

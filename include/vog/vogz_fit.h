@@ -17,7 +17,7 @@ struct VogzBound {
     /// Picture of the data: T at extinction 1, size x size pixels. Null: no data; the model is taken to have the PSNR
     /// `model_psnr_db` in every view.
     std::function<DepthImage(const Camera& camera, int size)> data{};
-    double model_psnr_db = 50;  ///< > 0; without data alone
+    double model_psnr_db = 50;  ///< > 0; used only without data
 };
 
 /// Precision, and what it costs in the views `paper`, +x, -x, +y, -y, +z and -z of 256 x 256 pixels, at the extinction

@@ -60,8 +60,9 @@ struct Tile {
 /// [i - 1/2, i + 1/2]^3 in index space. Density times the extinction, a factor chosen at render
 /// time, is per world unit of length.
 struct Volume {
-    BigVector<Leaf> leaves;   ///< no two of one origin; sorted by origin (x, then y, then z)
-    std::vector<Tile> tiles;  ///< disjoint from each other and from the leaves; sorted likewise
+    BigVector<Leaf> leaves;  ///< no two of one origin; sorted by origin (x, then y, then z)
+    std::vector<Tile>
+        tiles;  ///< disjoint from each other and from the leaves; sorted in the same way
     Affine world_from_index;  ///< any non-singular affine map, from indices to world units
     std::string name;         ///< grid name: "density"
     std::string source;       ///< file of origin, for messages and model headers; empty: none

@@ -22,7 +22,7 @@ inline constexpr int kVolumeSlabs = 32, kLitSlabs = 64, kMaximumSlabs = 128;
 struct VolumeLook {
     /// Shading of Blinn and Phong by the field's gradient; colour = (ambient + diffuse n.l) colour + specular (n.h)^power,
     /// at most 1, with the normal n towards the eye. Where the field has no gradient: the colour itself.
-    /// Off: emission and absorption alone.
+    /// Off: only emission and absorption.
     bool light = false;
     Vec3d towards_light{};  ///< world, any length > 0; 0 0 0: the eye
     bool studio = false;    ///< whether resolve() sets shadows, occlusion and kStudioOctaves

@@ -57,7 +57,7 @@ inline constexpr std::uint64_t kMaxDividedVoxels = std::uint64_t{1} << 28;
 struct FieldCoverage {
     std::string grid, volume;           ///< for messages: "fire.vdb: grid 'temperature'"
     double mass = 0, covered_mass = 0;  ///< sums of density, in all and where the grid is active
-    double voxels = 0, covered_voxels = 0;  ///< likewise
+    double voxels = 0, covered_voxels = 0;  ///< the same, in voxels
     void add(const FieldCoverage& other);
 };
 /// Line that says where the background counts, from a thousandth of the mass on; else empty.

@@ -6,7 +6,7 @@
     picture = vog.render(model, tf="inferno")
     picture.save("picture.png")
 
-vog.load(path) takes what vog and the packages of this Python read. Data flow: load -> convert -> render -> compare. Volumes are arrays [x, y, z]; images are
+vog.load(path) reads any file that vog or an installed Python package reads. Data flow: load -> convert -> render -> compare. Volumes are arrays [x, y, z]; images are
 [row, column] with rows from the top. Lengths are in world units, densities per world unit of length.
 Tutorial: docs/python.md.
 """

@@ -1,7 +1,7 @@
-"""The command vog on any file that Python reads: python -m vog COMMAND FILE ... loads it, and runs the command on a copy in its own format.
+"""The command vog for any file that Python reads: python -m vog COMMAND FILE ... loads it and runs the command on a converted copy.
 
---grid names the density, --field further arrays, --measure volume takes fields of any sign alone; without a command, and with
-info, the arrays of the file are listed. Everything else is as `vog COMMAND --help` has it.
+--grid names the density and --field further arrays. --measure volume carries values of any sign as fields, without a density. Without a
+command, and with info, the arrays of the file are listed. All other options are those of `vog COMMAND --help`.
 """
 import os
 import re
@@ -20,7 +20,7 @@ from ._vog import Cells, Error, Gaussians, Levels, Volume, convert
 
 
 def _command() -> str:
-    """Path of the command: of this package, else the one on the PATH."""
+    """Path of the command: this package's, else the one on the PATH."""
     own = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "vog")
     found = own if os.path.exists(own) else shutil.which("vog")
     if not found:
@@ -135,7 +135,7 @@ def _spoken(text: str) -> str:
 
 
 def main(words: "List[str]") -> int:
-    """Runs the command on files of vog's own in place of others; returns its exit code."""
+    """Runs the command on converted copies of files that vog itself does not read; returns its exit code."""
     warnings.showwarning = lambda message, *_: print(f"vog: note: {str(message).splitlines()[0]}", file=sys.stderr)
     inputs = [n for n in range(len(words)) if _is_input(words, n)]
     try:

@@ -45,7 +45,7 @@ def read_numpy(path: str, voxel_size: Any) -> Grids:
 
 
 def read_hdf5(path: str, at: At, voxel_size: Any) -> Any:
-    """Arrays of three axes in HDF5, by their paths inside of the file; particles of a snapshot; what yt knows."""
+    """Arrays of three axes in HDF5, by their paths in the file; particles of a snapshot; data sets that yt knows."""
     h5py = need("h5py", f"load: {path}")
     try:
         file = h5py.File(path)

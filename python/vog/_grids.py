@@ -116,7 +116,7 @@ def assembled(
     """A Volume, or Levels of several levels; with fields a pair of it and {name: field}, as vog.convert takes them.
 
     density  name of the array; 'volume' where there is none: 1 in every voxel, for fields of any sign
-    levels   True: Levels of a single level, too
+    levels   True: return Levels even for a single level
     background  of scans, as in Volume.load
     rules    skip_nonfinite and clip_negative of Volume.from_numpy
     """

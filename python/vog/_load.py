@@ -139,16 +139,16 @@ def load(
                 fields of any sign
     fields      names of further arrays, of any sign; 'velocity' is also the vector of velocity_x, velocity_y, velocity_z. The result
                 is then a pair: data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save;
-                of Cells None, as they have theirs
+                for Cells, which contain their fields, the second is None
     level       of simulations: one covering grid of this level; of OME-Zarr: a level of the pyramid, 0 the finest
     at          index along axes beside x, y and z: {"time": 3}; 0 elsewhere, with a warning
-    voxel_size  of NumPy and HDF5, and in place of the coordinates of xarray
-    thickness   of surfaces in meshes of VTK, whose triangles and quads have no volume otherwise
+    voxel_size  for NumPy and HDF5; replaces the coordinates of xarray
+    thickness   of surfaces in VTK meshes, whose triangles and quads otherwise have no volume
     unit        of simulations: unit of the density, as in from_yt
     background  of scans and microscopy: value of empty space, as in Volume.load
     skip_nonfinite, clip_negative  as in Volume.from_numpy
 
-    Units and places are those of the file. Raises ImportError, in one line, for a package that is missing.
+    Units and positions come from the file. Raises ImportError, in one line, if a package is missing.
 
     >>> np.savez("box.npz", density=np.ones((8, 8, 8)), heat=np.arange(512.0).reshape(8, 8, 8) - 256)
     >>> volume, fields = vog.load("box.npz", fields=["heat"])

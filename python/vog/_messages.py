@@ -1,4 +1,4 @@
-"""Short errors of calls with wrong arguments: what was given and what is expected, and never the content of an array."""
+"""Short errors for wrong arguments: what was given and what is expected, never the content of an array."""
 import difflib
 import functools
 import re

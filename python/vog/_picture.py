@@ -1,4 +1,4 @@
-"""Pictures: requests in the words of `vog render`, and what is drawn of them."""
+"""Pictures: requests in the words of `vog render`, and the pictures drawn from them."""
 import inspect
 import json
 import os
@@ -27,14 +27,14 @@ class Scale(NamedTuple):
 
 
 class Light(NamedTuple):
-    """Light of volume pictures, for the keyword light of render(): one value in place of the keywords of its parts.
+"""Light of volume pictures, for the keyword light of render(): one value instead of several keywords.
 
     towards            direction of the world towards the light, 3 numbers; None: the upper left of the view, or the eye with surfaces
     shadows            matter absorbs light on its way
     ambient_occlusion  matter absorbs ambient light
     scattering         octaves of multiple scattering, 1 to 16, which brighten shadows
     asymmetry          g of the phase function (Henyey and Greenstein), -0.99 to 0.99; above 0 light goes on forward
-    surfaces           surfaces are shaded by gradients, too
+    surfaces           also shade surfaces by gradients
     weights            ambient, diffuse, specular and power; None: the default
 
     >>> sun = vog.Light((1, 2, 1), ambient_occlusion=True, scattering=3)
@@ -65,13 +65,13 @@ class Layer:
     field     its scalar field; None: the density
     fields    of voxels: the field at them, {'temperature': array}, as convert() takes it
     visible   whether it is drawn
-    plane     draws the field on it alone: "z", "z=0.5", "axial", or (nx, ny, nz, d)
+    plane     draw the field only on this plane: "z", "z=0.5", "axial", or (nx, ny, nz, d)
     color     of a surface: a name, "#rrggbb" or (r, g, b); None: a light grey
-    opacity   of a plane or a surface, to 1; None: 1
+    opacity   of a plane or a surface, up to 1; None: 1
     request   tf, range, scale, window, bands, threshold and unit_distance, as render() has them
 
-    Where layers overlap, their extinctions add up, and their colours mix by these; planes and surfaces hide what lies behind. They shadow
-    each other, but for planes.
+    Where layers overlap, their extinctions add up and their colours mix in proportion. Planes and surfaces hide what lies behind them. All
+    but planes cast shadows on each other.
 
     >>> cloud, head = vog.sample_cloud(64), vog.sample_head(64)
     >>> picture = vog.render([vog.Layer(cloud, tf="white"), vog.Layer(vog.convert(head), threshold=900)], size=64)
@@ -144,7 +144,7 @@ def _state_keywords(call: Any, keys: "Iterable[str]") -> None:
     for key in keys:
         takes, text, unset, choices, shows, renderers = _MEMBERS[key]
         words = " or ".join(f"'{word}'" for word in choices) or takes or "bool"
-        text = f"{words}: {text}".replace("; may be given again", "; a list of rows") + (f". Default: {unset}" if unset else "")
+        text = f"{words}: {text}".replace(". Repeatable", "; a list of rows") + (f". Default: {unset}" if unset else "")
         for name, values in (("show", shows), ("renderer", renderers)):
             text += f". For {name} {', '.join(map(repr, values.split()))}" if values else ""
         texts.append(textwrap.fill(text, 120, initial_indent=f"    {key:19} ", subsequent_indent=" " * 24))
@@ -155,10 +155,10 @@ def _state_keywords(call: Any, keys: "Iterable[str]") -> None:
 
 
 class Scene:
-    """Data made ready for pictures from any number of views.
+    """Data prepared once, for pictures from any number of views.
 
-    data    Gaussians, a Volume, Levels, a list of Volumes, Cells, or Points (one Gaussian each); or a list of Layers. Leave its arrays as they are
-            while the scene is used
+    data    Gaussians, a Volume, Levels, a list of Volumes, Cells, or Points (one Gaussian each); or a list of Layers. Do not change its arrays
+            while you use the scene
     fields  of voxels: the field at them, {'temperature': array}, as convert() takes it
     """
 
@@ -168,7 +168,7 @@ class Scene:
             self._scene = _vog._Scene([data], [fields])
             return
         if fields is not None or not all(isinstance(one, Layer) for one in self._layers):
-            raise TypeError("render: expected Layers alone, each with its own fields")
+            raise TypeError("render: a list with Layers must contain only Layers, each with its own fields")
         self._scene = _vog._Scene([one.data for one in self._layers], [one.fields for one in self._layers])
 
     def render(
@@ -193,21 +193,21 @@ def render(
     progress: "Optional[Callable[[float], Any]]" = None,
     **request: Any,
 ) -> "_vog.Picture":
-    """One picture of a request, in the words of `vog render`; the same request gives the same picture there.
+    """Draws one picture. The keywords are the options of `vog render`; the same request gives the same picture there.
 
-    data                Gaussians, a Volume, Levels, a list of Volumes, Cells, or Points (one Gaussian each); a list of Layers: a volume
-                        picture of all
+    data                Gaussians, a Volume, Levels, a list of Volumes, Cells, or Points (one Gaussian each); or a list of Layers for
+                        one volume picture of all
     camera              None: Camera.orbit(data), fitted to the picture
     size                pixels, 512 or (width, height)
     fields              of voxels: the field at them, {'temperature': array}, as convert() takes it
     progress            is called with the finished fraction
 
-    Keywords of the request; None: the default. Numbers with commas between them are sequences or arrays, also of rows. tf may be a
-    TransferFunction, a Matplotlib map or colours [N, 3 or 4], too.
+    Keywords of the request; None: the default. Where the command takes numbers with commas, pass sequences or arrays. tf may also be a
+    TransferFunction, a Matplotlib map or colours [N, 3 or 4].
 
     KEYWORDS
 
-    For many views of one thing make a Scene. The interpreter's lock is released; Ctrl-C ends it. Returns a Picture.
+    For many views of the same data, make a Scene. Releases the interpreter's lock; Ctrl-C interrupts it. Returns a Picture.
 
     >>> volume = vog.sample_cloud(64)
     >>> picture = vog.render(vog.convert(volume, block=4), size=(64, 48))
@@ -251,20 +251,20 @@ def export_html(
 ) -> "Dict[str, int]":
     """Writes models to one self-contained HTML page, which needs no server, network or other file.
 
-    file                page to write; or a folder, an existing one or a name that ends in /: a site, of whose models a browser loads what its
-                        views need from any web server (vog serve shows it)
+    file                page to write; or a folder (existing, or a name ending in /) for a site, from which a browser loads only what its
+                        views need, from any web server (vog serve shows it)
     models              Gaussians, or {name: Gaussians}: the page lets its reader select one
     title               title of the page; default: the first name
     description         text below the title
     levels              largest number of levels of detail: the model, then a quarter as many Gaussians each time
     camera              initial view; None: Camera.orbit of each model, fitted
     steps               True: the models are steps in time, with a play bar and one extinction
-    precise             True: numbers four times as fine, for 4 bytes more a Gaussian
+    precise             True: numbers four times as fine, for 4 more bytes per Gaussian
     url                 address of https or http, or relative to the page, at which a copy of the data lies: models is then the path of a
                         site or of a compact model (vog pack --hierarchy --deflate), and the page streams it from there
 
-    Keywords of the request that the page begins with, as render() has them; None: the default. background may be 'system', too: black or
-    white by the reader's colour scheme.
+    Keywords of the page's first picture, as in render(); None: the default. background may also be 'system': black or
+    white to match the reader's system theme.
 
     KEYWORDS
 
@@ -284,7 +284,7 @@ def export_html(
 
 
 def recolor(self: Any, **request: Any) -> Any:
-    """The same numbers under other colours, scale and marks, without drawing again: a Picture. None: as they are.
+    """Changes colours, scale and annotations without drawing again. None keeps a setting. Returns a new Picture.
 
     >>> picture = vog.render(vog.sample_cloud(64), size=64, show="column").recolor(tf="viridis", scale="log", color_bar=True)
     >>> picture.scale.kind

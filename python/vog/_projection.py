@@ -32,7 +32,7 @@ class Projection(_Pair):
     axes         the two directions of the picture, right and up, as unit vectors [2, 3]
     towards      unit vector towards the observer
     unit         unit of the array: an object or a text; None: not known
-    length_unit  unit of the extent, likewise
+    length_unit  unit of the extent: an object or a text; None: not known
     request      request of the picture that the array is made of, as Picture has it
     """
 

@@ -8,7 +8,7 @@ _LEAST = (3, 9)
 
 
 def require_python(version=sys.version_info, folder=""):
-    """Raises ImportError, in one line, where the interpreter is not the one that the module is built for.
+    """Raises ImportError, in one line, if the module was built for another interpreter.
 
     version  of the interpreter
     folder   of the package; empty: this one

@@ -1,4 +1,4 @@
-"""Pages inside of notebooks, and where anywidget is installed the element <vog-view> as a live widget."""
+"""Pages in notebooks and, if anywidget is installed, the element <vog-view> as a live widget."""
 import html
 import importlib
 import json
@@ -44,7 +44,7 @@ def page_html(data: Any, **options: Any) -> str:
 
 
 def site_files(data: Any, **options: Any) -> "dict[str, bytes]":
-    """Files of the site that vog.export_html writes, by their names, but for its page."""
+    """Files of the site that vog.export_html writes, by their names, without its page."""
     models = _models(data, "show")
     with tempfile.TemporaryDirectory(prefix="vog-site-") as folder:
         _vog.export_html(folder, models, **options)
@@ -124,7 +124,7 @@ class Settings:
             callback(self)
 
     def on_change(self, callback: "Callable[[Any], Any]") -> "Callable[[Any], Any]":
-        """Calls a function with this object whenever the page's settings change by hand. Returns it: a decorator, too."""
+        """Calls a function with this object whenever someone changes the page's settings. Returns the function, so it works as a decorator."""
         if not callable(callback):
             raise TypeError(f"on_change: got {described(callback)}, expected a function")
         self._callbacks.append(callback)
@@ -314,13 +314,13 @@ def _widget_class() -> Any:
 
 
 def show(data: _Models, *, live: Optional[bool] = None, height: int = _HEIGHT, **options: Any) -> Any:
-    """Shows models, volumes or particles in a notebook: a picture to turn and explore, without server or network.
+    """Shows models, volumes or particles in a notebook: a picture that you can turn and explore, without server or network.
 
     data     Gaussians, a Volume, Levels or Points, or a list or dict of them; all but Gaussians are converted by vog.convert
     live     True: a widget, a picture that shares its settings with Python, which needs anywidget; False: a whole page with its controls.
              None: a widget if anywidget is installed
     height   of the output, CSS pixels
-    options  of vog.export_html: title, show, field, tf, light, ...; description, levels, slabs and url of a page alone
+    options  of vog.export_html: title, show, field, tf, light, ...; description, levels, slabs and url only for a page
 
     Returns a Page (`.html`, `.save(file)`), or a Widget, whose `camera`, `tf`, `show`, `field`, `range`, `clip`, `model` (1 the first) and
     `transfer_function` are read and set, with `on_change(function)` and `set_model(model)`.

@@ -59,7 +59,7 @@ def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
     density  unit of its densities: a text ('g/cm**3'), or a unit of astropy, pint or unyt; None: not known
     length   unit of world lengths: 'kpc'
 
-    Numbers stay as they are. vog.projection gives its result units where the data have them, and vog.convert hands
+    Numbers do not change. vog.projection gives its result units where the data have them, and vog.convert hands
     them on to the model. Labels and `units` of vog.render know their texts, which files keep.
 
     >>> volume = vog.set_units(vog.sample_cloud(64), "g / cm3", "kpc")

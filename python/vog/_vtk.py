@@ -116,7 +116,7 @@ def to_vtk(
     if not isinstance(data, (_vog.Volume, _vog.Levels)):
         raise TypeError(f"to_vtk: got {described(data)}, expected Gaussians, a Volume or Levels")
     if voxel_size is not None or like is not None:
-        raise _vog.Error("to_vtk: voxel_size and like are of Gaussians, a Volume has its own lattice")
+        raise _vog.Error("to_vtk: voxel_size and like work only with Gaussians; a Volume has its own lattice")
     if isinstance(data, _vog.Volume):
         return _image(data, {})
     blocks = need("vtkmodules.vtkCommonDataModel", "to_vtk").vtkMultiBlockDataSet()
@@ -131,7 +131,7 @@ def to_pyvista(
     voxel_size: Optional[float] = None,
     like: Any = None,
 ) -> Any:
-    """The same as to_vtk as a pyvista.PolyData or pyvista.ImageData, for .plot() and filters. Needs the package pyvista.
+    """Like to_vtk, but returns a pyvista.PolyData or pyvista.ImageData, for .plot() and filters. Needs the package pyvista.
 
     data, voxel_size, like  as in to_vtk
 

@@ -1,4 +1,4 @@
-"""Plots and a page of an evaluation: python -m vog.report FOLDER, of `vog evaluate -o FOLDER` or vog.evaluate. Needs Matplotlib."""
+"""Plots and a page for an evaluation: python -m vog.report FOLDER, with the FOLDER of `vog evaluate -o` or vog.evaluate. Needs Matplotlib."""
 import html
 import json
 import math

@@ -114,8 +114,8 @@ std::filesystem::path default_scratch_folder() {
     const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
     if (!code) return folder;
     const char* named = std::getenv("TMPDIR");
-    throw Error(fmt::format("TMPDIR={}: no folder for scratch files, expected one that exists",
-                            named ? named : ""));
+    throw Error(
+        fmt::format("TMPDIR={}: this folder for scratch files does not exist", named ? named : ""));
 }
 
 /// Opens a file without a name: O_TMPFILE, or a temporary file unlinked at once.

@@ -42,8 +42,8 @@ std::string level_pattern(const std::vector<std::string>& names) {
 }
 
 std::string levels_note(const std::string& file, const std::string& pattern) {
-    return printable(fmt::format("{}: takes the grids '{}' as levels of one mesh; --grid takes one",
-                                 file, pattern));
+    return printable(fmt::format(
+        "{}: reading the grids '{}' as levels of one mesh; --grid chooses one", file, pattern));
 }
 
 std::string listed(std::span<const std::string> names) {
@@ -69,13 +69,13 @@ LikelyGrid likely_grid(const std::string& file, std::span<const std::string> nam
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(best));
     if (names[best] == "density" && is_preferred(best)) return {best, {}};
     if (refuse)
-        throw Error(fmt::format("{}: {} grids, expected one by name (--grid; it has: {})", file,
+        throw Error(fmt::format("{}: {} grids; choose one with --grid (it has: {})", file,
                                 names.size(), listed(names)));
     const bool equal = std::ranges::count(size, size[best]) == std::ssize(size);
-    return {best,
-            printable(fmt::format("{}: takes '{}', {} of {} grids; --grid takes another: {}", file,
-                                  names[best], equal || is_preferred(best) ? "one" : "the largest",
-                                  names.size(), listed(others)))};
+    return {best, printable(fmt::format(
+                      "{}: reading '{}', {} of {} grids; --grid chooses another: {}", file,
+                      names[best], equal || is_preferred(best) ? "one" : "the largest",
+                      names.size(), listed(others)))};
 }
 
 }  // namespace vog

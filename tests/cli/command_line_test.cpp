@@ -159,8 +159,8 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     must_fail(2, "sample particles s.vdb --half", "--half");
     must_fail(1, "convert p.csv -o a.ply --value heat", "it has: count, speed, mass");
     must_fail(1, "render p.csv -o a.png --renderer reference", "holds particles");
-    must_fail(1, "evaluate p.csv -o out", "holds particles");
-    must_fail(1, "convert p.csv p.ply -o a.ply", "another kind");
+    must_fail(1, "evaluate p.csv -o out", "particles; vog evaluate needs a volume");
+    must_fail(1, "convert p.csv p.ply -o a.ply", "different kinds");
     must_fail(2, "convert p.csv -o a.ply --set strategy=strict", "has no effect with");
     must_fail(2, "convert p.csv -o a.ply --budget 5 --block 2", "exclude each other");
     must_fail(1, "render p.csv -o a.png --radius wide", "no value named 'wide'");
@@ -183,7 +183,7 @@ TEST_F(cli, wrong_usage_is_exit_code_two) {
     must_fail(2, "render m.ply -o m.png --background 1,2", "--background 1,2");
     must_fail(2, "render m.ply -o m.png --eye 1,2", "--eye: 1,2: expected x,y,z");
     must_fail(2, "render m.ply -o m.png --extinction -1", "--extinction");
-    must_fail(2, "render m.ply --turntable 3", "--turntable: many pictures");
+    must_fail(2, "render m.ply --turntable 3", "--turntable needs -o with a folder");
 }
 
 TEST_F(cli, every_failure_is_one_line_that_names_the_file) {
@@ -258,8 +258,9 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
 
 TEST_F(cli, invalid_levels_are_refused) {
     must("sample amr amr.vdb --size 64");
-    EXPECT_NE(must("render amr.vdb -o p.png").error.find("takes the grids 'density_L*' as levels"),
-              std::string::npos);
+    EXPECT_NE(
+        must("render amr.vdb -o p.png").error.find("reading the grids 'density_L*' as levels"),
+        std::string::npos);
     must_fail(1, "render amr.vdb --grid 'rho*' -o p.png", "no grid matches 'rho*'");
     must_fail(1, "render amr.vdb --grid 'density_L*' --mask 'm*' -o p.png", "no grid named 'm0'");
     must_fail(2, "render amr.vdb --grid 'density_L*' --mask m -o p.png", "expected a *");

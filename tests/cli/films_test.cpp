@@ -131,11 +131,11 @@ TEST_F(films, time_runs_once_during_a_turn_of_steps) {
 
 TEST_F(films, bad_requests_say_what_would_be_valid) {
     must_fail(2, "render models/step_1.ply -o one.png --turntable 4",
-              "a name with a number (t_%04d.png) or a film");
+              "a numbered name (t_%04d.png) or a film");
     must_fail(2, "render models/step_1.ply -o t/ --turntable 0", "--turntable");
     must_fail(2, "render models/step_1.ply -o t/ --turntable 2 --set fps=10",
               "--set fps has no effect");
-    must_fail(2, "render models/step_1.ply -o film.mp4", "a film of one picture");
+    must_fail(2, "render models/step_1.ply -o film.mp4", "a film needs several pictures");
     must_fail(1, "render models/step_1.ply -o none/%d.png --turntable 2", "no folder 'none'");
     must_fail(1, "render models/step_1.ply -o %d.jpg --turntable 2",
               "this command writes .png, .exr");

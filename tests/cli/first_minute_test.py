@@ -294,7 +294,7 @@ class Mistakes(Case):
         write_ct(self.folder / "ct.nii")
         for words, remedy in [
             (["rendr", "cloud.vdb"], "did you mean 'vog render'?"),
-            (["nonsense"], "expected a file, or one of"),
+            (["nonsense"], "commands are sample, info"),
             (["clod.vdb"], "clod.vdb: no such file"),
             (["cloud.vdb", "--tf", "hot"], "without a command"),
             (["render", "cloud.vdb", "--siez", "3"], "did you mean --size?"),
@@ -351,7 +351,7 @@ class Processors(Case):
             done = self.emulated(processor, self.folder / march)
             if absent:
                 self.assertEqual((done.returncode, done.stdout), (1, ""))
-                self.assertIn(f"vog: this processor has no {absent}, which this program was compiled for; expected", done.stderr)
+                self.assertIn(f"vog: this processor has no {absent}, which this program was compiled for; build without -march", done.stderr)
                 self.assertEqual(done.stderr.count("\n"), 1)
             else:
                 self.assertEqual((done.returncode, done.stdout), (0, "ran\n"))

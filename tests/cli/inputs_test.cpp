@@ -80,7 +80,7 @@ TEST_F(inputs, a_picture_of_next_to_nothing_is_reported) {
 TEST_F(inputs, time_steps_are_never_taken_for_levels) {
     write_cube("step_1.vdb", 0, 0.5f);
     write_cube("step_2.vdb", 0.25, 0.9f);
-    const std::string problem = "voxels of one size at one place";
+    const std::string problem = "voxels of the same size at the same place";
     for (const std::string command :
          {"render 'step_*.vdb' -o a.png", "convert 'step_*.vdb' -o a.ply",
           "page 'step_*.vdb' -o a.html", "evaluate step_1.vdb step_2.vdb -o report"}) {
@@ -94,7 +94,7 @@ TEST_F(inputs, time_steps_are_never_taken_for_levels) {
     EXPECT_TRUE(std::filesystem::exists(dir_ / "pictures/step_2.png"));
     must_fail(2, "render 'step_*.vdb' -o a.png --combine sum --combine mesh",
               "--combine: At Most 1");
-    must_fail(2, "render step_1.vdb -o a.png --combine sum", "got one volume");
+    must_fail(2, "render step_1.vdb -o a.png --combine sum", "--sum needs several volumes");
 }
 
 TEST_F(inputs, volumes_add_up_or_hide_each_other_where_it_is_said) {
@@ -150,7 +150,8 @@ TEST_F(inputs, steps_quantities_and_levels_of_real_data) {
     VOG_NEEDS_DATA("fire.vdb");
     VOG_NEEDS_DATA("enzo/level0.vdb");
     const std::string data = data_dir().string() + "/";
-    must_fail(1, "render '" + data + "plume/*.vdb' -o a.png", "voxels of one size at one place");
+    must_fail(1, "render '" + data + "plume/*.vdb' -o a.png",
+              "voxels of the same size at the same place");
     must_fail(1, "render '" + data + "fire.vdb' --grid '*' -o a.png", "are different quantities");
     EXPECT_NE(must("render '" + data + "enzo/*.vdb' -o a.png --size 16").error.find("3 levels"),
               std::string::npos);
@@ -195,7 +196,7 @@ TEST_F(inputs, options_without_effect_are_refused) {
     must_fail(2, "convert c.vdb -o b.ply --again",
               "--again has no effect with -o FILE.ply; it works with -o FOLDER/");
     must_fail(1, "render nofile -o b.png", "nofile: no such file");
-    must_fail(1, "evaluate c.vdb -o a.png", "a.png: is a file, expected a folder");
+    must_fail(1, "evaluate c.vdb -o a.png", "a.png: a file; vog evaluate writes a folder");
     for (const char* wrong : {"0", "-3", "many"}) {
         const Result result = run(std::string("convert c.vdb -o b.ply --budget ") + wrong);
         EXPECT_EQ(result.exit_code, 2);

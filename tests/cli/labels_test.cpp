@@ -119,7 +119,7 @@ TEST_F(labels_command, that_are_none_are_refused_in_one_line) {
     must("convert seg.vdb --labels segments --block 8 -o m.ply");
     must_fail(1, "convert gas.vdb --labels nothing -o m.ply", "nothing");
     must_fail(2, "convert gas.vdb seg.vdb --combine sum --labels seg.vdb -o m.ply",
-              "divides one volume");
+              "needs a single volume");
     must_fail(2, "convert gas.vdb --labels seg.vdb --for volume -o m.ply", "--labels");
 }
 

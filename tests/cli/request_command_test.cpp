@@ -167,7 +167,7 @@ TEST_F(request_command, refuses_in_one_line) {
     request(R"({"picture": {"show": "column"}, "inputs": []})");
     refused("render --request r.json -o x.png", "names no inputs");
     request(R"({"picture": {}, "inputs": ["cloud.vdb"], "reading": {"--output": ["y.png"]}})");
-    refused("render --request r.json -o x.png", "no option of reading");
+    refused("render --request r.json -o x.png", "not an option for reading");
     request(R"({"picture": {}, "inputs": ["gone.vdb"]})");
     refused("render --request r.json -o x.png", "gone.vdb is not in");
     request(R"({"picture": {"show": "mean", "field": "heat"}, "inputs": ["cloud.vdb"]})");

@@ -160,14 +160,14 @@ class Ends(ServeTest):
 
     def test_a_port_in_use_is_refused_or_the_next_one_is(self):
         port = self.server.port
-        self.assertIn("the port is in use, expected a free one (0: any)", self.refusal(self.site, "--port", port))
+        self.assertIn("the port is in use; choose another (0: any free port)", self.refusal(self.site, "--port", port))
         # Without --port: 8080, or another that is named. One of two servers at least does not get the first.
         one, two = self.serve(self.site), self.serve(self.site)
         self.assertNotEqual(one.port, two.port)
         self.assertEqual(two.status("/")[0], 200)
         self.assertEqual(one.stop()[0], 0)
         code, _, err = two.stop()
-        self.assertEqual((code, err), (0, f"vog: note: port 8080 is in use, this is {two.port}\n"))
+        self.assertEqual((code, err), (0, f"vog: note: port 8080 is in use; using port {two.port}\n"))
 
     def test_a_port_is_free_again_after_the_server(self):
         server = self.serve(self.site, "--port", "0")

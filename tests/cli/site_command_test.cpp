@@ -88,7 +88,7 @@ TEST_F(site_command, volumes_particles_and_steps_become_sites) {
     EXPECT_EQ(copy["steps"], true);
     ASSERT_EQ(copy["models"].size(), 2u);
     EXPECT_EQ(copy["models"][1]["name"], "step_2");
-    must_fail(1, "page steps -o steps/", "steps/: is an input and would be overwritten");
+    must_fail(1, "page steps -o steps/", "steps/ is an input and would be overwritten");
     must_fail(1, "page steps/step_2 -o steps", "is an input and would be overwritten");
     must("page steps -o page.html");
     EXPECT_NE(read_text(dir_ / "page.html").find("step_2"), std::string::npos);
@@ -125,8 +125,8 @@ TEST_F(site_command, pages_of_models_elsewhere_hold_no_model) {
         EXPECT_NE(read_text(dir_ / "page.html").find("connect-src 'self';"), std::string::npos);
     }
     std::filesystem::remove(dir_ / "page.html");
-    must_fail(2, "page c.ply -o page.html --from https://host/c.ply", "expected one site");
-    must_fail(2, "page site c.vogz -o page.html --from https://host/", "expected one site");
+    must_fail(2, "page c.ply -o page.html --from https://host/c.ply", "--from needs one input");
+    must_fail(2, "page site c.vogz -o page.html --from https://host/", "--from needs one input");
     must_fail(2, "pack c.vogz -o d.vogz --from https://host/c.vogz", "only in vog page");
     must_fail(2, "page c.vogz -o page.html --from https://host/c.vogz --budget 9", "--budget");
     must_fail(2, "page c.vogz -o page.html --from https://host/c.vogz --set rounding=0.1",

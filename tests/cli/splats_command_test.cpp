@@ -42,8 +42,8 @@ TEST_F(splats_command, default_is_white_upright_and_in_a_unit_box) {
     const std::string out = must("export m.ply -o s.ply --as 3dgs --extinction 1 --up z").out;
     EXPECT_NE(
         out.find(
-            "\n1 unit is 20 units of the data, 0 lies at 0, 0, 20 there. z of the data is up, -y "
-            "in this format. Splats are white.\n"),
+            "\n1 unit is 20 units of the data; the origin lies at 0, 0, 20 in the data. z of the "
+            "data is up, -y in this format. Splats are white.\n"),
         std::string::npos)
         << out;
     for (const auto& row : rows("s.ply"))
@@ -78,7 +78,8 @@ TEST_F(splats_command, transfer_functions_colour_fields_and_nothing_else) {
     EXPECT_NE(must("export m.ply -o s.glb --tf upper.json").out.find("s.glb: 1 splats"),
               std::string::npos);
     std::ofstream(dir_ / "none.json") << R"({"colors": "gray", "opacity": [[0, 0], [1, 0]]})";
-    must_fail(1, "export m.ply -o s.glb --tf none.json", "opacity 0 at all values of density");
+    must_fail(1, "export m.ply -o s.glb --tf none.json",
+              "none.json makes all values of density transparent");
     write_model(false);
     must("export m.ply -o s.glb");
     must_fail(1, "export m.ply -o s.glb --tf inferno", "leave --tf out for white");

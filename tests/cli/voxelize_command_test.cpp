@@ -151,24 +151,24 @@ TEST_F(voxelize_command, refuses_in_one_line) {
     for (const char* size : {"0", "-2", "nan", "inf"})
         must_fail(1, std::string("voxelize model.ply -o v.vdb --voxel-size ") + size,
                   "expected a finite number > 0");
-    must_fail(2, "voxelize model.ply -o v.vdb", "expected --voxel-size X or --like FILE");
+    must_fail(2, "voxelize model.ply -o v.vdb", "choose the voxels: --voxel-size X or --like FILE");
     must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --like skewed.vdb",
               "--voxel-size and --like exclude each other");
     must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --grid density",
               "--grid needs --like");
     must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --within", "--within needs --like");
-    must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --name ''", "--name: is empty");
+    must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --name ''", "--name is empty");
     must_fail(2, "voxelize model.ply -o v.nvdb --voxel-size 1 --memory 64M",
               "--memory has no effect with -o FILE.nvdb");
     must_fail(1, "voxelize model.ply -o v.vdb --like skewed.vdb --grid nope",
               "no grid named 'nope'");
     must_fail(1, "voxelize model.ply -o v.vdb --like absent.vdb", "absent.vdb");
-    must_fail(1, "voxelize model.ply -o v.vdb --like plain.ply", "is no volume");
+    must_fail(1, "voxelize model.ply -o v.vdb --like plain.ply", "not a volume");
     must_fail(1, "voxelize model.ply -o v.png --voxel-size 1",
               "this command writes .vdb, .nvdb; use vog render model.ply -o v.png");
-    must_fail(1, "voxelize model.ply -o skewed.vdb --like skewed.vdb", "is an input too");
-    must_fail(1, "voxelize skewed.vdb -o v.vdb --voxel-size 1", "is no model");
-    must_fail(1, "voxelize points.csv -o v.vdb --voxel-size 1", "is no model");
+    must_fail(1, "voxelize model.ply -o skewed.vdb --like skewed.vdb", "is also an input");
+    must_fail(1, "voxelize skewed.vdb -o v.vdb --voxel-size 1", "not a model");
+    must_fail(1, "voxelize points.csv -o v.vdb --voxel-size 1", "not a model");
     must_fail(1, "voxelize plain.ply -o v.vdb --voxel-size 1 --fields", "no field");
     must_fail(1, "voxelize model.ply -o v.vdb --voxel-size 1 --fields --name temperature",
               "has the name of the volume");

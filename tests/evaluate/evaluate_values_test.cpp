@@ -150,7 +150,7 @@ TEST_F(evaluate_values, by_the_command_with_models_beside_volumes) {
               std::string::npos);
     must_fail(2, "evaluate cloud.vdb -o out --tf jet --tf hot", "only --show volume takes several");
     must_fail(2, "evaluate cloud.vdb -o out --show mean", "--show");
-    must_fail(1, "evaluate block8.ply -o out", "expected a volume");
+    must_fail(1, "evaluate block8.ply -o out", "needs a volume");
     must_fail(1, "evaluate cloud.vdb block8.ply -o out --show volume --tf none.json", "none.json");
 }
 

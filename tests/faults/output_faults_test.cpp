@@ -171,10 +171,10 @@ TEST_F(output_faults, two_outputs_are_never_one_file) {
     must_fail(1, "render m.ply --size 32 -o t.exr --depth-out link.exr", "would be written twice");
     EXPECT_EQ(read_text(dir_ / "t.exr"), "earlier");
     must("render m.ply --size 32 -o c.png");
-    must_fail(1, "render m.ply --size 32 -o out/../c.png --camera c.png", "is an input too");
+    must_fail(1, "render m.ply --size 32 -o out/../c.png --camera c.png", "is also an input");
     must("render m.ply --size 32 -o a.png");
-    must_fail(1, "compare a.png c.png --diff ./c.png", "is an input too");
-    must_fail(1, "convert m.ply -o ./m.ply", "is an input too");
+    must_fail(1, "compare a.png c.png --diff ./c.png", "is also an input");
+    must_fail(1, "convert m.ply -o ./m.ply", "is also an input");
     // Folders may be one: their files have different names.
     must("render m.ply -o pictures/ --depth-out pictures/ --size 32");
 }

@@ -31,8 +31,7 @@ TEST_F(scratch_faults, full_scratch_folder_keeps_earlier_outputs) {
 
 TEST_F(scratch_faults, missing_folders_are_one_clear_line) {
     must_fail(1, "convert p.xyz -o out/p.ply --memory 64M",
-              "TMPDIR=/nosuch: no folder for scratch files, expected one that exists",
-              "TMPDIR=/nosuch");
+              "TMPDIR=/nosuch: this folder for scratch files does not exist", "TMPDIR=/nosuch");
     must_fail(1, "convert p.xyz -o out/p.ply --memory 64M --set scratch=nosuch",
               "nosuch: cannot make a scratch file here: No such file or directory");
 }

@@ -331,7 +331,7 @@ def test_evaluate_returns_what_it_writes(tmp_path, cloud):
     assert len(result["rows"][0]["volume"]["ramp"]["views"]) == 7
     with pytest.raises(vog.Error, match="expected 'T' or 'volume'"):
         vog.evaluate(cloud, tmp_path, show="mean")
-    with pytest.raises(vog.Error, match="several are of show='volume'"):
+    with pytest.raises(vog.Error, match="several transfer functions need show='volume'"):
         vog.evaluate(cloud, tmp_path, tf=["hot", "jet"])
 
 

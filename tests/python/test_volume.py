@@ -120,12 +120,12 @@ def test_invalid_values_of_an_array_are_refused_or_accepted():
 
 def test_volumes_that_overlap_are_no_levels(cloud):
     for data in ([cloud, cloud], (cloud, cloud)):
-        with pytest.raises(vog.Error, match="voxels of one size at one place"):
+        with pytest.raises(vog.Error, match="voxels of the same size at the same place"):
             vog.render(data, size=8)
     with pytest.raises(vog.Error, match="force=True"):
         vog.Levels([cloud, cloud])
     forced = vog.Levels([cloud, cloud], force=True)
-    assert "no levels of a mesh" in forced.arrangement
+    assert "not levels of one mesh" in forced.arrangement
     assert np.allclose(vog.render(forced, size=16, extinction=1), vog.render(cloud, size=16, extinction=1))
     levels = vog.sample_levels(64)
     assert "3 levels of one mesh" in levels.arrangement

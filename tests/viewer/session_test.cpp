@@ -350,7 +350,7 @@ TEST_F(view_command, bad_scripts_are_refused_by_line) {
     refuses("clip 0 0 0 1\n", "play.vog:1: ");
     refuses("clip 1 1 1 0 0 0\n", "play.vog:1: clip box");
     refuses("unit-distance 0\n", "play.vog:1: 'unit-distance 0', expected numbers from 1e-300");
-    refuses("wait\npoints 1:1\n", "play.vog:2: points: is of volumes by value");
+    refuses("wait\npoints 1:1\n", "play.vog:2: points needs `show volume`");
     refuses("wait\npress nothing\n", "play.vog:2: no widget 'nothing'");
     refuses("key hyper\n", "play.vog:1: no key 'hyper'");
     refuses("open nosuch.vdb\nwait\n", "play.vog:");

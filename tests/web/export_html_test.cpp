@@ -221,8 +221,8 @@ TEST_F(cli_export, errors_are_one_clear_line) {
     must("convert c.vdb -o m.ply --block 8");
     must_fail(1, "page m.ply -o page.pdf", "page.pdf: this command writes .html");
     must_fail(1, "page absent.ply -o page.html", "absent.ply: no such file");
-    must_fail(1, "convert m.ply -o m.ply", "is an input too");
-    must_fail(1, "page m.ply c.vdb -o page.html", "another kind");
+    must_fail(1, "convert m.ply -o m.ply", "is also an input");
+    must_fail(1, "page m.ply c.vdb -o page.html", "different kinds");
     must_fail(1, "page m.ply -o page.html --tf nope", "nope");
     must_fail(2, "page m.ply -o page.html --name a --name b", "2 names for 1 models");
     must_fail(2, "convert m.ply -o few.ply --title T",

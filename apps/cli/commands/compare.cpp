@@ -179,10 +179,9 @@ void compare_fields(const CompareArguments& arguments) {
     const FieldMaps a = read_field_maps(arguments.reference), b = read_field_maps(arguments.image);
     const FieldDifference difference = naming_files(arguments, [&] { return compare(a, b); });
     if (!arguments.json) {
-        line("maps of a field",
-             fmt::format("{}x{}, {:.3f} % of pixels count: column above a thousandth of the "
-                         "largest, weighted by it",
-                         a.width, a.height, 100 * difference.counted));
+        line("maps of a field", fmt::format("{}x{}, {:.3f} % of pixels counted (column above a "
+                                            "thousandth of the largest), weighted by column",
+                                            a.width, a.height, 100 * difference.counted));
         line("L2 of column", fmt::format("{:.6g}, all pixels", difference.column_l2));
         line("L2 of mean", fmt::format("{:.6g}", difference.mean_l2));
         line("L2 of deviation", fmt::format("{:.6g} of the rms value", difference.deviation_l2));
@@ -225,8 +224,8 @@ void compare_files(const CompareArguments& arguments, const GivenOptions& comman
                    other = compared_kind(arguments.image);
     const auto name = [](Compared of) { return kKindNames[static_cast<std::size_t>(of)]; };
     if (other != kind)
-        throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image, name(other),
-                                name(kind), arguments.reference));
+        throw Error(fmt::format("{} is a {}; to compare it, use a {} like {}", arguments.image,
+                                name(other), name(kind), arguments.reference));
     constexpr const char* kFacts[] = {"pictures", "depth-images", "maps", "maps"};
     require_effects(command, {{"input", kFacts[static_cast<std::size_t>(kind)]}});
     switch (kind) {
@@ -250,12 +249,12 @@ void add_compare(CLI::App& app) {
     command
         ->add_option("reference", arguments->reference,
                      "Reference: a picture (.png, colour .exr), a depth image (.exr with one "
-                     "channel Y, the optical depth T), or maps of a field as vog render "
-                     "--values-out writes them (.npy, .exr with column, mean and deviation)")
+                     "channel Y, the optical depth T), or maps of a field from vog render "
+                     "--values-out (.npy, .exr with column, mean and deviation)")
         ->required();
     command
         ->add_option("image", arguments->image,
-                     "Image to compare with the reference, of the same kind and size")
+                     "Image to compare with the reference; same kind and size")
         ->required();
     command->add_option("--diff", arguments->diff,
                         "Heat map of the differences to write, .png: of V = 1 - exp(-T) for "

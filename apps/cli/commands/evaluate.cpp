@@ -77,11 +77,11 @@ void take_models(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
             .push_back(input);
     if (volumes.empty())
         throw Error(
-            fmt::format("{}: holds a model, expected a volume: its voxels are the reference",
+            fmt::format("{}: a model; vog evaluate needs a volume, whose voxels are the reference",
                         arguments.inputs.front()));
     if (ranks.load && !arguments.models.empty())
         throw UsageError(arguments.models.front() +
-                         ": models are evaluated by one process, expected vog evaluate");
+                         ": vog-mpi does not evaluate models; use vog evaluate");
     arguments.inputs = std::move(volumes);
 }
 
@@ -138,12 +138,12 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     take_models(arguments, ranks);
     set_transfer_functions(arguments);
     if (common_kind(arguments.inputs, arguments.volume.grid) != FileKind::volume)
-        throw Error(
-            fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
-                        arguments.inputs.front()));
+        throw Error(fmt::format(
+            "{}: particles; vog evaluate needs a volume, whose voxels are the reference",
+            arguments.inputs.front()));
     if (std::filesystem::exists(arguments.folder) &&
         !std::filesystem::is_directory(arguments.folder))
-        throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
+        throw Error(fmt::format("-o {}: a file; vog evaluate writes a folder", arguments.folder));
     const PictureRequest stated =
         RequestWords{{{"size", {arguments.size}}, {"extinction", {arguments.extinction}}}}.over();
     arguments.options.width = stated.width;
@@ -176,7 +176,7 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     print(evaluation);
     print_line((folder / "results.csv").string());
     print_line(
-        fmt::format("python -m vog.report {} makes plots and a page of it", folder.string()));
+        fmt::format("python -m vog.report {} makes plots and a page from it", folder.string()));
 }
 
 }  // namespace
@@ -185,20 +185,19 @@ void add_evaluate(CLI::App& app) { add_evaluate(app, std::make_shared<EvaluateAr
 
 void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,
                   const EvaluateRanks& ranks) {
-    CLI::App* command = app.add_subcommand(
-        "evaluate",
-        "Measure all conversions of a volume against its voxels: the paper's tables and pictures");
+    CLI::App* command = app.add_subcommand("evaluate",
+                                           "Measure all conversions of a volume against its "
+                                           "voxels, for the paper's tables and pictures");
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb, dense images); several: levels or parts of one mesh. Models of "
-            "them (.ply, .vogz, .json) are evaluated in place of conversions")
+            "Volumes (.vdb, .nvdb, dense images); several: levels or parts of one mesh. If you add "
+            "models of them (.ply, .vogz, .json), these are evaluated instead of conversions")
         ->required();
     command
-        ->add_option(
-            "-o,--output", arguments->folder,
-            "Folder to write: results.json, results.csv and pictures; python -m vog.report "
-            "FOLDER makes plots and a page of it")
+        ->add_option("-o,--output", arguments->folder,
+                     "Folder for results.json, results.csv and pictures; python -m vog.report "
+                     "FOLDER makes plots and a page from it")
         ->required();
     add_volume_options(*command, arguments->volume);
     command->add_option(

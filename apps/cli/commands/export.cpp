@@ -72,7 +72,7 @@ std::vector<Vec3f> paint(Gaussians& model, const RequestWords& words) {
     }
     if (visible.empty())
         throw Error(
-            fmt::format("--tf {}: opacity 0 at all values of {}", tf_of(words), field.name));
+            fmt::format("--tf {} makes all values of {} transparent", tf_of(words), field.name));
     if (visible.size() < model.size()) model = select(model, visible);
     return colors;
 }
@@ -110,8 +110,8 @@ std::vector<std::string> write_as_splats(Gaussians& model, const ExportArguments
     std::string frame = "Units are the data's";
     if (splats.world_scale != 1 || center != Vec3d{})
         frame = fmt::format(
-            "1 unit is {:.6g} units of the data, 0 lies at {:.6g}, {:.6g}, {:.6g} "
-            "there",
+            "1 unit is {:.6g} units of the data; the origin lies at {:.6g}, {:.6g}, {:.6g} in the "
+            "data",
             splats.world_scale, center.x, center.y, center.z);
     frame += fmt::format(". {} of the data is up, {} in this format. Splats {}.",
                          direction_text(up), extension_of(output) == ".ply" ? "-y" : "y",

@@ -381,7 +381,7 @@ void add_info(CLI::App& app) {
         app.add_subcommand("info", "Show the contents of volumes, particles and models");
     command
         ->add_option("files", *files,
-                     "Volumes, particles, models: any file that convert, render or export reads")
+                     "Volumes, particles or models: any file that convert, render or export reads")
         ->required();
     command->add_flag("--json", *json, "Print a single JSON object");
     command->callback([files, json] { print_contents(*files, *json); });

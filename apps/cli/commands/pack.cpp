@@ -94,8 +94,8 @@ VogzPrecision fit(const Gaussians& model, const PackArguments& arguments, Stages
     constexpr double kUnlike = 20;
     if (!arguments.reference.empty() && fitted.model_db < kUnlike)
         note(
-            fmt::format("{}: the model is {:.1f} dB from --reference {}: is it of other data? "
-                        "Rounding then loses nothing",
+            fmt::format("{}: the model is {:.1f} dB from --reference {}: does it come from other "
+                        "data? Rounding then loses nothing",
                         output, fitted.model_db, arguments.reference.front()));
     loss = fmt::format(
         "V loses at most {:.3f} dB in seven views {} ({:.1f} dB); rounded against exact: {:.1f} dB",
@@ -170,7 +170,7 @@ void pack(PackArguments arguments, const GivenOptions& command) {
 void add_pack(CLI::App& app) {
     auto arguments = std::make_shared<PackArguments>();
     CLI::App* command = app.add_subcommand(
-        "pack", "Pack models into one compact file (.vogz), rounded within a bound on its error");
+        "pack", "Pack models into one compact file (.vogz), rounded within an error limit");
     add_model_options(*command, arguments->models,
                       "Compact model to write (.vogz); several inputs are added up");
     add_no_fields_option(*command, arguments->models.no_fields);
@@ -193,8 +193,8 @@ void add_pack(CLI::App& app) {
     add_rounding_options(*command, arguments->rounding);
     command->get_option(setting("rounding"))->excludes(loss);
     command->add_flag("--hierarchy", arguments->hierarchy,
-                      "Write the level-of-detail hierarchy, for readers of parts of the file; "
-                      "without it readers build their own");
+                      "Write the level-of-detail hierarchy, so readers can load parts of the file. "
+                      "Without it they build their own");
     command->add_flag("--deflate", arguments->deflate,
                       "Compress with deflate, which browsers have built in, instead of zstd");
     on_run(*command, [arguments](GivenOptions& given) { pack(*arguments, given); });

@@ -101,7 +101,7 @@ WrittenPage write_page(const PageCommand& arguments, const GivenOptions& command
 /// returns  the report of --json
 Json write_pages(const PageCommand& all, const GivenOptions& command) {
     if (!all.page.names.empty())
-        throw UsageError("--name names the models of one page: not for a folder of pages");
+        throw UsageError("--name works for one page or site, not for a folder of pages");
     PageCommand one = all;
     one.page.subject = Subject{};
     for (const std::string& input : all.models.inputs)
@@ -149,13 +149,13 @@ Json write_site(const PageCommand& arguments, const GivenOptions& command) {
 Json write_page_of_copy(const PageCommand& given, const GivenOptions& command) {
     const ModelArguments& models = given.models;
     check(given, command, FileKind::model);
-    if (is_sequence(models.output)) throw UsageError("--from: expected a page, -o NAME.html");
+    if (is_sequence(models.output)) throw UsageError("--from writes only a page: use -o NAME.html");
     check_output(models.output, models.inputs, {".html"});
     const std::string& input = models.inputs.front();
     const bool site = is_site(input);
     if (models.inputs.size() > 1 || (!site && extension_of(input) != ".vogz"))
         throw UsageError(
-            "--from: expected one site (a folder) or one compact model (.vogz), whose copy lies at "
+            "--from needs one input: the site (a folder) or compact model (.vogz) whose copy is at "
             "the address");
     PageArguments page = given.page;
     if (site && !command.has("--steps")) page.steps = read_site_info(input).steps;
@@ -201,7 +201,7 @@ void run(const PageCommand& given, const GivenOptions& command) {
         (arguments.site || !folder) &&
         common_kind(models.inputs, models.volume.grid) == FileKind::model) {
         arguments.page.steps = true;
-        note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
+        note(fmt::format("{}: {} models as time steps (--no-steps: a switch between them instead)",
                          given.models.inputs.front(), models.inputs.size()));
     }
     if (!command.has("--from")) read_models_of_site(arguments, command);
@@ -220,25 +220,24 @@ void run(const PageCommand& given, const GivenOptions& command) {
 
 void add_page(CLI::App& app) {
     auto arguments = std::make_shared<PageCommand>();
-    CLI::App* command = app.add_subcommand(
-        "page",
-        "Write models to one self-contained page for a browser, or large ones to a site: a page "
-        "that loads the parts that a view needs");
-    add_model_options(
-        *command, arguments->models,
-        "Page to write (.html). A folder, or a name that ends in /: for one input, a site, which "
-        "any web server serves; for several inputs, one page each, under one camera and one "
-        "extinction, or one site with --site");
+    CLI::App* command =
+        app.add_subcommand("page",
+                           "Write models to one self-contained page for a browser, or large models "
+                           "to a site, whose page loads what a view needs");
+    add_model_options(*command, arguments->models,
+                      "Page to write (.html). A folder (a name ending in /): for one input, a site "
+                      "for any web server; for several, one page each with the same camera and "
+                      "extinction, or one site with --site");
     command->add_flag("--site", arguments->site,
-                      "Write several models as one site (-o FOLDER/), those of one quoted pattern "
-                      "as steps in time");
+                      "Write several models as one site (-o FOLDER/). Models named by one quoted "
+                      "pattern become time steps");
     add_no_fields_option(*command, arguments->models.no_fields);
     add_page_options(*command, arguments->page);
     command
         ->add_option("--from", arguments->from,
                      "Address of a copy of the input, which the page streams: a site's folder, or "
-                     "a compact model written with --hierarchy --deflate. https, http, or relative "
-                     "to the page")
+                     "a compact model written with --hierarchy --deflate. The address is https, "
+                     "http, or relative to the page")
         ->group(kPageGroup);
     add_value(*command, setting("levels"), arguments->levels, "[1, 32]",
               "Largest number of levels of detail in the page: the model itself, then a quarter as "

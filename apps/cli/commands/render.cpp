@@ -110,9 +110,9 @@ std::vector<Frame> sequence_frames(const std::vector<std::string>& inputs,
 Json render_sequence(const RenderArguments& arguments, const GivenOptions& command,
                      const RenderRanks& ranks) {
     if (!arguments.depth_output.empty() && !is_of_many(arguments.depth_output))
-        throw UsageError("--depth-out takes a folder where -o does");
+        throw UsageError("--depth-out needs a folder because -o is one");
     if (!arguments.values_output.empty() && !is_of_many(arguments.values_output))
-        throw UsageError("--values-out takes a folder where -o does");
+        throw UsageError("--values-out needs a folder because -o is one");
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
     const std::vector<Frame> frames = sequence_frames(inputs, arguments.output, ".png");
     const std::vector<Frame> depths = sequence_frames(inputs, arguments.depth_output, ".exr");
@@ -188,8 +188,8 @@ Json render_turn(const RenderArguments& arguments, const GivenOptions& command,
         if (output.empty()) return;
         if (!is_sequence(output) && !is_numbered(output) && !(film && is_film(output)))
             throw UsageError(fmt::format(
-                "--turntable: {} {}: expected a folder (a name that ends in /), a name with a "
-                "number (t_%04d{}){}",
+                "--turntable: {} {}: expected a folder (a name ending in /), a numbered name "
+                "(t_%04d{}){}",
                 option, output, extensions.front(), film ? " or a film (.mp4, .webm)" : ""));
         if (ranks.is_root && !is_sequence(output) && !is_film(output))
             check_output(numbered_outputs(output, 1, "").front(), arguments.drawing.inputs,
@@ -234,11 +234,11 @@ Json render_many(RenderArguments arguments, const GivenOptions& command, const R
     if (!is_film(arguments.output)) return draw();
     if (ranks.allgather)
         throw Error(arguments.output +
-                    ": films are made by one process (vog render); -o FOLDER/ writes the pictures");
+                    ": vog-mpi makes no films; use vog render, or -o FOLDER/ for the pictures");
     if (!arguments.turntable && arguments.drawing.inputs.size() == 1)
-        throw UsageError(arguments.output +
-                         ": a film of one picture: expected --turntable N, or several "
-                         "inputs, one a time step");
+        throw UsageError(
+            arguments.output +
+            ": a film needs several pictures: --turntable N, or one input per time step");
     check_output(arguments.output, arguments.drawing.inputs, {".mp4", ".webm"});
     Film film(arguments.output, arguments.per_second);
     arguments.take_picture = [&](const Image& picture) { film.add(picture); };
@@ -334,12 +334,12 @@ void render_files(RenderArguments& given, GivenOptions command, const RenderRank
     arguments.drawing.inputs = expanded(given.drawing.inputs);
     name_models_of_site(arguments, ranks);
     if (!arguments.request.layers.empty() && !arguments.turntable && is_of_many(arguments.output))
-        throw UsageError("--layer: one picture or a turn, expected -o FILE.png or --turntable");
+        throw UsageError("--layer works with one picture (-o FILE.png) or --turntable");
     if (makes_nothing(arguments)) {
         if (arguments.turntable)
             throw UsageError(
-                "--turntable: many pictures, expected -o with a folder (turn/), a "
-                "name with a number (t_%04d.png) or a film (turn.mp4)");
+                "--turntable needs -o with a folder (turn/), a numbered name (t_%04d.png) or a "
+                "film (turn.mp4)");
         arguments.output = free_name(arguments.drawing.inputs.front());
     }
     if (ranks.is_root) check_distinct(written_files(arguments), read_files(arguments));

@@ -12,8 +12,8 @@ namespace {
 void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
     command
         .add_option("inputs", arguments.inputs,
-                    "PLY models, OpenVDB or NanoVDB volumes, or particles (.xyz, .csv, .tsv, "
-                    ".vdb); several become one picture")
+                    "Models (.ply, .vogz, sites), volumes (.vdb, .nvdb, dense images) or particles "
+                    "(.xyz, .csv, .tsv, .vdb, .hdf5); several become one picture")
         ->required();
     add_volume_options(command, arguments.volume);
     add_point_options(command, arguments.points);
@@ -22,11 +22,10 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
 /// Adds --request, with which inputs may be absent.
 void add_request_option(CLI::App& command, RenderArguments& arguments) {
     command
-        .add_option(
-            "--request", arguments.request_file,
-            "Draw a picture again: a PNG or EXR that vog wrote, its JSON (\"request\" of "
-            "--json), or the link of a page. It states its inputs, which a link does not, and all "
-            "options; those given beside it take their place")
+        .add_option("--request", arguments.request_file,
+                    "Draw a picture again: from a PNG or EXR written by vog, its JSON (\"request\" "
+                    "of --json), or a page's link. It contains all options and, except for a link, "
+                    "the inputs. Options on the command line override it")
         ->each([&command](const std::string&) { command.get_option("inputs")->required(false); });
 }
 
@@ -50,12 +49,12 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     add_value(command, setting("fps"), arguments.per_second, "[0.01, 240]",
               "Pictures a second of a film");
     command.add_option("--depth-out", arguments.depth_output,
-                       "Image of optical depth T to write: .exr with one float channel Y");
+                       "Write the optical depth T to an .exr with one float channel Y");
     command.add_option(
         "--values-out", arguments.values_output,
-        "File of the shown quantity as float32 numbers, height x width, rows from the "
-        "top: .npy or .exr; of a field the .exr has the channels column, mean and "
-        "deviation; of volume it is the opacity. A folder where -o is one: .npy files");
+        "Write the quantity's numbers as float32, height x width, rows from the top: .npy or .exr. "
+        "For a field the .exr has the channels column, mean and deviation; for volume the numbers "
+        "are the opacity. If -o is a folder, this is a folder of .npy files");
     add_drawing_options(command, arguments.drawing);
     add_request_option(command, arguments);
     add_view_options(command, arguments.view);

@@ -35,7 +35,7 @@ CLI::Validator origin() {
         static const std::regex origins(R"(\*|https?://[!-+.0-~-]+)");  // no space, comma or slash
         return std::regex_match(text, origins)
                    ? std::string{}
-                   : fmt::format("{}: expected an origin, as https://example.org, or *", text);
+                   : fmt::format("{}: expected an origin such as https://example.org, or *", text);
     };
     return {check, "ORIGIN"};
 }
@@ -46,14 +46,13 @@ void open_browser(const std::string& url) {
     if (program_path("xdg-open").empty())
         return note("--open: the program xdg-open is not installed; open the address in a browser");
     if (std::system(fmt::format("xdg-open '{}' </dev/null >/dev/null 2>&1 &", url).c_str()) != 0)
-        note("--open: xdg-open does not start; open the address in a browser");
+        note("--open: xdg-open failed; open the address in a browser");
 }
 
 /// Has a compact file that pages can stream shown by one. The page is a file without a name.
 void begin_with_page(SiteFolder& folder, const std::filesystem::path& file) {
     const std::string why = read_vogz_info(file).not_streamed;
-    if (!why.empty())
-        return note(fmt::format("{}: served as it is, without a page: {}", file.string(), why));
+    if (!why.empty()) return note(fmt::format("{}: served without a page: {}", file.string(), why));
     const std::vector<HtmlModel> models = models_to_stream(file);
     HtmlOptions options;
     options.title = models.front().name;
@@ -69,7 +68,7 @@ void serve(ServeArguments arguments, bool port_given) {
     server.next_port = !port_given;
     server.on_listening = [&](const std::string& url, int port, bool loopback) {
         if (!port_given && port != server.port)
-            note(fmt::format("port {} is in use, this is {}", server.port, port));
+            note(fmt::format("port {} is in use; using port {}", server.port, port));
         if (!loopback)
             note(fmt::format("--set host={}: every machine that reaches this one can read {}",
                              server.host, arguments.input));
@@ -85,15 +84,14 @@ void serve(ServeArguments arguments, bool port_given) {
 
 void add_serve(CLI::App& app) {
     auto arguments = std::make_shared<ServeArguments>();
-    CLI::App* command = app.add_subcommand("serve",
-                                           "Serve a site of vog page to the browsers of this "
-                                           "machine; prints its address, Ctrl-C ends it");
+    CLI::App* command = app.add_subcommand(
+        "serve",
+        "Serve a site, a page or a compact model to browsers on this machine, until Ctrl-C");
     command
-        ->add_option(
-            "site", arguments->input,
-            "Folder that vog page MODEL -o site/ has written, one page (.html) or one compact "
-            "model (.vogz; with --hierarchy --deflate a page shows it). Nothing outside of it is "
-            "served")
+        ->add_option("site", arguments->input,
+                     "Site folder from vog page MODEL -o site/, one page (.html) or one compact "
+                     "model (.vogz; a page shows it if it was written with --hierarchy --deflate). "
+                     "Nothing else is served")
         ->required();
     CLI::Option* port =
         add_value(*command, "--port", arguments->server.port, "[0, 65535]",
@@ -103,8 +101,8 @@ void add_serve(CLI::App& app) {
               "machine's loopback: 0.0.0.0, all addresses");
     command
         ->add_option(setting("allow-origin"), arguments->server.allow_origin,
-                     "Origin whose pages may read the files, as https://example.org, or * for all; "
-                     "default: the site's own page alone")
+                     "Origin whose pages may read the files, such as https://example.org, or * for "
+                     "all. Default: only the site's own page")
         ->check(origin());
     command->add_flag("--open", arguments->open,
                       "Open the address in the desktop's browser (xdg-open)");

@@ -134,7 +134,7 @@ class FilmSink : public viewer::PictureSink {
 /// Reads the layers of volume pictures. The window opens the first input as it does without them.
 void take_layers(viewer::ViewerOptions& options, const WindowArguments& arguments,
                  PictureRequest request) {
-    if (arguments.steps) throw UsageError("--layer: has no effect on steps in time");
+    if (arguments.steps) throw UsageError("--layer does not work with time steps");
     vog::require_effects(request);
     DrawingArguments drawing{arguments.inputs, {}, arguments.volume, arguments.points, {}};
     place_layers(drawing, request);

@@ -51,18 +51,17 @@ void check_arguments(const VoxelizeArguments& arguments, const GivenOptions& com
     require_effects(command, {{"input", input_fact(FileKind::model, arguments.inputs)},
                               {"output", extension_of(arguments.output)}});
     if (!command.has("--voxel-size") && arguments.like.empty())
-        throw UsageError("expected --voxel-size X or --like FILE: the lattice of the voxels");
-    if (arguments.name.empty()) throw UsageError("--name: is empty, expected the name of a grid");
+        throw UsageError("choose the voxels: --voxel-size X or --like FILE");
+    if (arguments.name.empty()) throw UsageError("--name is empty; expected the name of a grid");
     std::vector<std::string> read = arguments.inputs;
     read.push_back(arguments.like);
     check_output(arguments.output, read, {".vdb", ".nvdb"});
     for (const std::string& input : arguments.inputs)
         if (kind_of(input) != FileKind::model)
-            throw Error(fmt::format(
-                "{}: is no model, expected .ply files, as vog convert writes them", input));
+            throw Error(
+                fmt::format("{}: not a model; expected a .ply file from vog convert", input));
     if (!arguments.like.empty() && kind_of(arguments.like, arguments.grid) != FileKind::volume)
-        throw Error(
-            fmt::format("{}: is no volume, expected a .vdb or .nvdb as --like", arguments.like));
+        throw Error(fmt::format("{}: not a volume; --like needs a .vdb or .nvdb", arguments.like));
 }
 
 void run_voxelize(VoxelizeArguments arguments, const GivenOptions& command) {
@@ -122,10 +121,10 @@ void run_voxelize(VoxelizeArguments arguments, const GivenOptions& command) {
 
 void add_voxelize(CLI::App& app) {
     auto arguments = std::make_shared<VoxelizeArguments>();
-    CLI::App* command = app.add_subcommand("voxelize",
-                                           "Turn models back into a volume: averages of their "
-                                           "Gaussians over voxels, of the same mass");
-    command->add_option("inputs", arguments->inputs, "Models (.ply, .json); several are one sum")
+    CLI::App* command = app.add_subcommand(
+        "voxelize",
+        "Turn models back into a volume of the same mass: averages of their Gaussians over voxels");
+    command->add_option("inputs", arguments->inputs, "Models (.ply, .json); several are added up")
         ->required();
     command
         ->add_option("-o,--output", arguments->output,
@@ -133,17 +132,16 @@ void add_voxelize(CLI::App& app) {
         ->required();
     command->add_option("--voxel-size", arguments->voxel_size,
                         "Edge of cubic voxels along the world's axes, world units");
-    command->add_option(
-        "--like", arguments->like,
-        "Volume whose lattice the voxels have: size, rotation, skew and alignment. Of "
-        "several levels (--grid 'density_L*') the finest one");
+    command->add_option("--like", arguments->like,
+                        "Use the lattice of this volume: voxel size, rotation, skew and alignment. "
+                        "Of several levels (--grid 'density_L*'), the finest");
     command->add_option(
         "--grid", arguments->grid,
         "Grid of --like, or a pattern of levels; default: the only scalar grid, else density, else "
         "all levels");
     command->add_flag("--within", arguments->within,
-                      "Only voxels in the box around the active voxels of --like; the share of "
-                      "mass outside is reported");
+                      "Write only voxels in the box around --like's active voxels, and report the "
+                      "share of mass outside");
     command->add_flag(
         "--fields", arguments->fields,
         "Write the model's fields too, a grid each: the mean over a voxel, weighted by density");

@@ -13,8 +13,7 @@ namespace vog::cli {
 
 std::vector<double> divide_by_labels(ConvertArguments& arguments, LoadedVolumes& set) {
     if (set.volumes.size() != 1 || set.is_mesh())
-        throw UsageError(fmt::format("--labels divides one volume, expected one input, got {}",
-                                     set.volumes.size()));
+        throw UsageError(fmt::format("--labels needs a single volume, not {}", set.volumes.size()));
     const std::string& labels = arguments.labels;
     std::error_code code;
     const std::string file = labels.substr(0, labels.rfind(':'));

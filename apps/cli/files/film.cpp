@@ -171,7 +171,7 @@ void Film::fail() {
 void Film::add(const Image& picture) {
     if (!opaque(picture))
         throw Error(fmt::format(
-            "{}: films have no transparency, expected another --background, or -o FOLDER/", file_));
+            "{}: films have no transparency; choose another --background, or -o FOLDER/", file_));
     const std::vector<std::uint8_t> bytes = even_bytes(picture);
     if (pictures_ == 0)
         start(picture.width + picture.width % 2, picture.height + picture.height % 2);

@@ -90,8 +90,8 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
     for (const std::string& input : inputs)
         if (kind_of(input, grid) != kind)
             throw Error(
-                fmt::format("{}: of another kind than {}, expected volumes only, particles only or "
-                            "models only",
+                fmt::format("{} and {} are of different kinds; inputs must all be volumes, all "
+                            "particles or all models",
                             input, inputs.front()));
     return kind;
 }
@@ -126,8 +126,7 @@ LoadedVolumes load_volumes(const std::vector<std::string>& files,
 Combination combination_of(std::size_t volumes, const VolumeInputOptions& options) {
     const bool masked = !options.mask.empty();
     if (volumes < 2 && (options.sum || options.mesh))
-        throw UsageError(
-            fmt::format("--{}: got one volume, expected several", options.sum ? "sum" : "mesh"));
+        throw UsageError(fmt::format("--{} needs several volumes", options.sum ? "sum" : "mesh"));
     if (volumes < 2) return {masked ? Overlap::hide : Overlap::add, false, {}};
     if (options.sum)
         return {Overlap::add, false, fmt::format("{} volumes add up (--combine sum)", volumes)};
@@ -137,10 +136,9 @@ Combination combination_of(std::size_t volumes, const VolumeInputOptions& option
                             volumes)};
     if (options.mesh)
         return {Overlap::hide, false,
-                fmt::format(
-                    "{} volumes are levels of one mesh (--combine mesh): the finest counts where "
-                    "they overlap, of equal voxels the first",
-                    volumes)};
+                fmt::format("{} volumes are levels of one mesh (--combine mesh): where they "
+                            "overlap, the finest counts, or the first if voxels are equal",
+                            volumes)};
     return {Overlap::hide, true, {}};
 }
 
@@ -148,9 +146,8 @@ void require_mesh(const Arrangement& arrangement) {
     if (arrangement.is_mesh()) return;
     const bool quantities = arrangement.kind == Arrangement::Kind::quantities;
     throw Error(fmt::format(
-        "{}; expected {}, --combine sum (densities add up) or --combine mesh (the finest counts, "
-        "of equal voxels "
-        "the first)",
+        "{}; use {}, --combine sum (densities add up) or --combine mesh (the finest counts, or the "
+        "first if voxels are equal)",
         arrangement.text,
         quantities ? "one of them (--grid NAME)"
                    : "one at a time (time steps: -o FOLDER/ of convert, render and export)"));
@@ -228,7 +225,7 @@ std::vector<std::string> models_of_one_site(const std::vector<std::string>& inpu
 }
 
 void note_first_model(const std::string& site, const std::vector<std::string>& models) {
-    note(fmt::format("{}: the first of {} models; {} is another one", site, models.size(),
+    note(fmt::format("{}: showing the first of {} models; {} is another", site, models.size(),
                      models[1]));
 }
 

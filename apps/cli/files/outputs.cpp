@@ -94,11 +94,10 @@ void check_distinct(const std::vector<std::string>& outputs,
         if (outputs[n].empty()) continue;
         for (const std::string& input : inputs)
             if (!input.empty() && same_file(outputs[n], input))
-                throw Error(
-                    fmt::format("{}: is an input too, expected another output", outputs[n]));
+                throw Error(fmt::format("{} is also an input; choose another output", outputs[n]));
         for (std::size_t m = 0; m < n; ++m)
             if (!outputs[m].empty() && same_file(outputs[n], outputs[m]))
-                throw Error(fmt::format("{}: would be written twice, as {} and as {}", outputs[n],
+                throw Error(fmt::format("{} would be written twice, as {} and as {}", outputs[n],
                                         outputs[m], outputs[n]));
     }
 }

@@ -90,10 +90,10 @@ std::vector<Frame> frames_of(const std::vector<std::string>& inputs, const std::
         const fs::path output = fs::path(folder) / (fs::path(input).stem().string() + extension);
         const auto [other, is_new] = owner.emplace(output, input);
         if (!is_new)
-            throw Error(fmt::format("{}: would be written for both {} and {}", output.string(),
+            throw Error(fmt::format("{} would be written for both {} and {}", output.string(),
                                     other->second, input));
         if (fs::equivalent(output, input, code))
-            throw Error(fmt::format("{}: is an input and would be overwritten", input));
+            throw Error(fmt::format("{} is an input and would be overwritten", input));
         frames.push_back({input, output.string()});
     }
     return frames;

@@ -94,8 +94,7 @@ std::string unknown_command_text(const ProgramText& program, const std::string& 
     if (!near.empty())
         return fmt::format("no command or file '{}'; did you mean '{} {}'?", word, program.name,
                            near);
-    return fmt::format("no command or file '{}', expected a file, or one of {}", word,
-                       fmt::join(names, ", "));
+    return fmt::format("no command or file '{}'; commands are {}", word, fmt::join(names, ", "));
 }
 
 std::string unexpected_text(const ProgramText& program, const std::string& name,
@@ -111,7 +110,7 @@ std::string unexpected_text(const ProgramText& program, const std::string& name,
     auto now = kRenamed.find(word);
     const std::string setting = "--set " + word.substr(word.find_first_not_of('-'));
     if (now != kRenamed.end() || has_option(command, setting))
-        return fmt::format("{}: no option {}, it is {}", spoken, word,
+        return fmt::format("{}: no option {}; use {}", spoken, word,
                            now != kRenamed.end() ? now->second : setting + "=VALUE");
     const std::string near = nearest(word, option_names(command));
     if (!near.empty()) return fmt::format("{}: no option {}; did you mean {}?", spoken, word, near);

@@ -48,7 +48,7 @@ void check_page_options(const PageArguments& arguments, const GivenOptions& comm
 
 void check_names(const PageArguments& arguments, std::size_t models) {
     if (!arguments.names.empty() && arguments.names.size() != models)
-        throw UsageError(fmt::format("--name: {} names for {} models, expected one each",
+        throw UsageError(fmt::format("--name: {} names for {} models; give one name per model",
                                      arguments.names.size(), models));
 }
 

@@ -21,7 +21,7 @@ void refuse_own_folder(const std::vector<std::string>& inputs, const std::string
     for (const std::string& input : inputs)
         if (const auto site = find_site(input);
             site && std::filesystem::equivalent(site->folder, folder, code))
-            throw Error(fmt::format("{}: is an input and would be overwritten", folder));
+            throw Error(fmt::format("{} is an input and would be overwritten", folder));
 }
 
 WrittenSite write_site(const std::string& folder, const VogzPrecision& precision, std::size_t count,

@@ -102,10 +102,9 @@ void add_up_option(CLI::App& command, ViewArguments& arguments) {
     command
         .add_option(
             "--up", arguments.up,
-            "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
-            "up in the picture, and in viewers of exported splats; the angles of --view are "
-            "measured about it. Default: as the file says or implies (z for scans in RAS, FITS, "
-            "levels of meshes, Blender's and Mantaflow's grids), else y")
+            "Direction that points up in pictures and exported splats: x, y, z, -x, -y, -z or "
+            "x,y,z. The angles of --view refer to it. Default: what the file states or implies (z "
+            "for scans in RAS, FITS, mesh levels, and grids from Blender and Mantaflow), else y")
         ->check(up_error);
 }
 
@@ -115,11 +114,11 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         .add_option(
             "--view", arguments.view,
             fmt::format(
-                "Direction to look from, a name or AZIMUTH,ELEVATION in degrees: {}. +x looks from "
-                "the positive x axis at the centre of the input's bounding box. Azimuth is about "
-                "the up axis (y up: from x towards z; z up: from x towards -y), elevation above "
-                "the plane across it. paper is {:.2f},{:.2f} at distance {}, the view of all "
-                "tables. Default: the direction of paper, fitted",
+                "Direction to look from: AZIMUTH,ELEVATION in degrees, or one of {}. +x looks from "
+                "the positive x axis at the centre of the input's bounding box. Azimuth turns "
+                "about the up axis (y up: from x towards z; z up: from x towards -y); elevation is "
+                "above the plane perpendicular to it. paper is {:.2f},{:.2f} at distance {}, the "
+                "view of all tables. Default: the direction of paper, fitted",
                 fmt::join(view_names(), ", "), kPaperAzimuthDegrees, kPaperElevationDegrees,
                 kPaperDistanceRadii))
         ->check(view_error);
@@ -139,7 +138,7 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
               "whole box");
     command
         .add_option("--eye", arguments.eye,
-                    "Position x,y,z of the eye in world units, in place of the angles")
+                    "Position x,y,z of the eye in world units, instead of angles")
         ->check(vector_error);
     command
         .add_option("--look-at", arguments.look_at,

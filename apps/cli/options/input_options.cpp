@@ -11,15 +11,13 @@ namespace vog::cli {
 
 void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
     command.add_option("--grid", options.grid,
-                       "Grid to read by name; default: the only scalar grid, else 'density', else "
-                       "all levels or the largest, which a note names. A pattern with * or ? reads "
-                       "all that match, as levels of one mesh: "
-                       "'density_L*'");
-    command.add_option(
-        "--mask", options.mask,
-        "Grid that marks the valid region of a level by values > 0: inside, the level "
-        "hides coarser ones; outside, it is ignored. A * stands for the match of the "
-        "* in --grid. Default: the level's own active voxels");
+                       "Name of the grid to read. Default: the only scalar grid, else 'density', "
+                       "else all levels or the largest (a note says which). A pattern with * or ? "
+                       "reads all matching grids as levels of one mesh: 'density_L*'");
+    command.add_option("--mask", options.mask,
+                       "Grid whose values > 0 mark the valid region of a level. Inside, the level "
+                       "hides coarser ones; outside, it is ignored. A * stands for the text "
+                       "matched in --grid. Default: the level's own active voxels");
     command
         .add_option_function<std::string>(
             "--combine",
@@ -27,24 +25,23 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
                 options.sum = how == "sum";
                 options.mesh = how == "mesh";
             },
-            "What several volumes are. sum: parts whose densities add up; mesh: levels of one "
-            "mesh, whatever their voxels: where they overlap, the one of the smallest voxels "
-            "counts, of equal ones the first. Default: levels whose voxels divide each other "
-            "evenly, or volumes that do not overlap")
+            "How to combine several volumes. sum: add their densities. mesh: levels of one mesh; "
+            "where they overlap, the smallest voxels count, or the first volume if they are equal. "
+            "By default, volumes must be levels whose voxels divide each other evenly, or must not "
+            "overlap")
         ->check(CLI::IsMember({"sum", "mesh"}));
     command.add_flag("--level-set-to-fog", options.level_set_to_fog,
                      "Convert a level set to a fog volume: density inside its surface");
-    command.add_flag(
-        "--skip-nonfinite", options.values.skip_nonfinite,
-        "Leave out voxels, particles or splats with NaN or infinite values, which are an "
-        "error otherwise; their number is reported");
+    command.add_flag("--skip-nonfinite", options.values.skip_nonfinite,
+                     "Leave out voxels, particles or splats with NaN or infinite values and report "
+                     "their number; otherwise they are an error");
     command.add_flag("--clip-negative", options.values.clip_negative,
-                     "Set negative densities or masses to 0, which are an error otherwise; their "
-                     "number is reported");
-    command.add_option(setting("background-value"), options.values.background,
-                       "Value of empty space in a dense image: density is the value above it. "
-                       "Default: -1000 of Hounsfield units, the upper end of background noise, "
-                       "else 0");
+                     "Set negative densities or masses to 0 and report their number; otherwise "
+                     "they are an error");
+    command.add_option(
+        setting("background-value"), options.values.background,
+        "Value of empty space in a dense image; density is the value above it. Default: -1000 for "
+        "Hounsfield units, the upper end of background noise, or 0");
 }
 
 void add_point_options(CLI::App& command, PointInputOptions& options) {

@@ -38,14 +38,12 @@ std::uint64_t parse_memory(const std::string& text) {
 
 void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std::string& more) {
     const OptionGroup grouped(command, kLargeDataGroup);
-    command.add_option(
-        "--memory", arguments.memory,
-        "Memory limit, such as 2G: voxels that do not fit are paged to a scratch file. "
-        "The result is the same" +
-            more);
-    command.add_option(
-        setting("scratch"), arguments.scratch,
-        "Folder for scratch files; default: the system's folder for temporary files");
+    command.add_option("--memory", arguments.memory,
+                       "Memory limit, such as 2G. Voxels that do not fit are paged to a scratch "
+                       "file; the result is the same" +
+                           more);
+    command.add_option(setting("scratch"), arguments.scratch,
+                       "Folder for scratch files. Default: the system's temporary folder");
 }
 
 CommandMemory::CommandMemory(const MemoryArguments& arguments)
@@ -57,10 +55,10 @@ CommandMemory::CommandMemory(const MemoryArguments& arguments)
 
 CommandMemory::~CommandMemory() {
     if (bytes_ == 0 || std::uncaught_exceptions() > exceptions_ || peak_memory() <= bytes_) return;
-    note(fmt::format(
-        "peak memory {}, above --memory {}: only voxels are paged out, not models, cells "
-        "and pictures",
-        bytes_text(peak_memory()), bytes_text(bytes_)));
+    note(
+        fmt::format("peak memory {} exceeded --memory {}: only voxels are paged out, not models, "
+                    "cells or pictures",
+                    bytes_text(peak_memory()), bytes_text(bytes_)));
 }
 
 }  // namespace vog::cli

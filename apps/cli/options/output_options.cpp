@@ -25,7 +25,8 @@ void add_model_options(CLI::App& command, ModelArguments& arguments, const std::
 }
 
 void add_no_fields_option(CLI::App& command, bool& no_fields) {
-    command.add_flag("--no-fields", no_fields, "Leave fields out: less to load, without values");
+    command.add_flag("--no-fields", no_fields,
+                     "Leave out fields: smaller files, but no values to show");
 }
 
 void add_page_options(CLI::App& command, PageArguments& arguments) {
@@ -49,7 +50,7 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
     add_shown_options(command, arguments.words, kPageGroup);
     CLI::Option* background = command.get_option("--background");
     background->description(background->get_description() +
-                            ", or system: black or white by the reader's colour scheme");
+                            ", or system: black or white to match the reader's system theme");
 }
 
 void add_rounding_options(CLI::App& command, RoundingArguments& arguments) {

@@ -207,24 +207,22 @@ void require_addable(const PictureRequest& request, FileKind kind) {
     const bool linear = request.options.voxels.interpolation == Interpolation::linear;
     if (request.options.trace.stop_transmittance > 0)
         throw UsageError(
-            "--set stop-transmittance: a rank does not know the transmittance in front of its part "
-            "of "
-            "a ray; expected one process (vog render)");
+            "--set stop-transmittance works only in vog render: a rank does not know the "
+            "transmittance in front of its part of a ray");
     if (kind == FileKind::volume && linear && (by_value || request.options.voxels.step_voxels > 0))
         throw UsageError(fmt::format(
             "{} with --interpolation linear: samples begin where a ray enters the whole volume, "
-            "and "
-            "a rank holds only a part of it; expected {}, or one process (vog render)",
+            "and a rank holds only a part of it; use {}, or vog render",
             show, by_value ? "--interpolation constant" : "--set step=0 (exact, cell by cell)"));
     if (*request.renderer == Renderer::trace && by_value)
-        throw UsageError(fmt::format(
-            "--renderer trace: {} needs all Gaussians of a ray in their order, and a rank "
-            "holds only some of them; expected --renderer splat, or one process (vog render)",
-            show));
+        throw UsageError(
+            fmt::format("--renderer trace: {} needs all Gaussians of a ray in their order, and a "
+                        "rank holds only some of them; use --renderer splat, or vog render",
+                        show));
     const bool on_gpu = *request.renderer == Renderer::cuda || *request.renderer == Renderer::optix;
     const bool volumes_of_field = kind == FileKind::volume && shows_field(request);
     if (on_gpu && (by_value || volumes_of_field))
-        throw Error(fmt::format("{}: {} draws no parts of a {}, expected {}", show,
+        throw Error(fmt::format("{}: {} cannot draw parts of a {}; use {}", show,
                                 info_of(*request.renderer).name,
                                 kind == FileKind::volume ? "volume" : "model",
                                 kind == FileKind::volume ? "reference" : "splat"));
@@ -238,7 +236,7 @@ void load_divided(const DrawingArguments& arguments, const PictureRequest& reque
     if (part.is_mesh && request.options.voxels.interpolation == Interpolation::linear)
         throw UsageError(
             "--interpolation linear: at the edge of a part, levels of a mesh need values that "
-            "other ranks hold; expected --interpolation constant, or one process (vog render)");
+            "other ranks hold; use --interpolation constant, or vog render");
     if (is_by_value(request.show))
         load_visible_parts(arguments, request, ranks, beside, part, inputs);
     inputs.scene.subject = part.subject;

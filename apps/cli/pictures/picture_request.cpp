@@ -29,14 +29,15 @@ std::vector<std::string> transfer_notes(const PictureRequest& request,
     const bool stated =
         !asked.bands.empty() || (!asked.window && !asked.points.points.opacity.empty());
     if (stated && chosen.most_opacity > kMostOpacity)
-        notes.push_back(fmt::format("opacity {} counts as {}: one of 1 is an infinite extinction",
-                                    chosen.most_opacity, kMostOpacity));
+        notes.push_back(
+            fmt::format("opacity {} counts as {}, because 1 would be an infinite extinction",
+                        chosen.most_opacity, kMostOpacity));
     if (chosen.unit_distance == UnitDistance::of_map)
-        notes.push_back(fmt::format(
-            "an opacity ramp over the values that most of the mass has ({}--range {},{} "
-            "--unit-distance {} repeats it)",
-            chosen.scale.kind == ColorScale::Kind::log ? "--scale log " : "", chosen.scale.low,
-            chosen.scale.high, chosen.transfer.unit_distance));
+        notes.push_back(
+            fmt::format("opacity rises over the values that most of the mass has ({}--range {},{} "
+                        "--unit-distance {} repeats it)",
+                        chosen.scale.kind == ColorScale::Kind::log ? "--scale log " : "",
+                        chosen.scale.low, chosen.scale.high, chosen.transfer.unit_distance));
     return notes;
 }
 

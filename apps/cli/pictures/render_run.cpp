@@ -24,7 +24,7 @@ namespace {
 void check_arguments(const RenderArguments& arguments, bool writes) {
     if (is_field_map(arguments.request.show) && arguments.request.field.empty())
         throw UsageError(
-            fmt::format("--show {}: expected --field NAME", word_of(arguments.request.show)));
+            fmt::format("--show {} needs --field NAME", word_of(arguments.request.show)));
     // Folders and names with a number are checked where they are made.
     const auto is_file = [&](const std::string& output) {
         return writes && !output.empty() && !arguments.turntable;
@@ -117,8 +117,8 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
     const auto covered = static_cast<std::size_t>(std::lround(picture.covered * double(pixels)));
     if (covered < pixels / 1000 && inputs.gaussians + inputs.active_voxels > 0) {
         picture.notes.push_back(fmt::format(
-            "{}: {} of {} pixels show anything: the parts of the data are smaller than pixels, or "
-            "outside the view; --look-at, --distance and --orthographic --width choose another",
+            "{}: only {} of {} pixels show anything: the data are smaller than a pixel or outside "
+            "the view; --look-at, --distance and --orthographic --width change it",
             arguments.drawing.inputs.front(), count_text(covered), count_text(pixels)));
         print_notes({picture.notes.back()});
     }
@@ -153,7 +153,7 @@ void save(const RenderArguments& arguments, const Picture& picture, const std::s
          {arguments.output, arguments.depth_output, arguments.values_output})
         if (std::error_code code; !arguments.request_file.empty() && !file.empty() &&
                                   std::filesystem::equivalent(file, arguments.request_file, code))
-            throw Error(file + ": is the picture of --request, expected another output");
+            throw Error(file + " is the picture of --request; choose another output");
     if (!arguments.output.empty())
         stages.run("save", [&] { save_picture(arguments, picture.image, record); });
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, picture.depth(), record);
@@ -313,7 +313,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
         arguments.view.stored = picture.camera();
         if (arguments.view.orthographic && keeps_stored(arguments.view, command))
             throw UsageError(
-                "--orthographic has no effect with --show slice, whose view is one already");
+                "--orthographic has no effect with --show slice, which is always orthographic");
     }
     if (picture.unit_is_label && ranks.is_root)
         print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",

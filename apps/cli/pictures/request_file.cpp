@@ -68,7 +68,7 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
 void read_as(const std::string& name, const std::vector<std::string>& values, GivenOptions& command,
              FileKind kind) {
     if (!has(kOfPoints, name) && !has(kOfVolumes, name) && !has(kOfAll, name))
-        throw Error(fmt::format("'{}' is no option of reading inputs", printable(name, 60)));
+        throw Error(fmt::format("'{}' is not an option for reading inputs", printable(name, 60)));
     if (values.empty()) throw Error(fmt::format("'{}' in 'reading' has no value", name));
     const bool fits = kind == FileKind::points   ? !has(kOfVolumes, name)
                       : kind == FileKind::volume ? !has(kOfPoints, name)
@@ -78,14 +78,13 @@ void read_as(const std::string& name, const std::vector<std::string>& values, Gi
 
 /// throws  vog::Error unless the inputs that a record names are there
 void require_inputs(const std::vector<std::string>& inputs) {
-    if (inputs.empty()) throw Error("names no inputs, expected them on the command line");
+    if (inputs.empty()) throw Error("names no inputs; add them to the command line");
     for (const std::string& input : inputs)
         if (std::error_code code;
             input.find_first_of("*?[") == input.npos && !std::filesystem::exists(input, code))
-            throw Error(
-                fmt::format("its input {} is not in {}: no such file; expected the inputs on "
-                            "the command line",
-                            printable(input, 200), std::filesystem::current_path(code).string()));
+            throw Error(fmt::format(
+                "its input {} is not in {}: no such file; name the inputs on the command line",
+                printable(input, 200), std::filesystem::current_path(code).string()));
 }
 
 /// Draws the channels of an image as layers where the command line states neither a grid nor colours.
@@ -118,10 +117,9 @@ void take_channels(RenderArguments& arguments) {
     for (const Layer& layer : request.layers)
         channels += fmt::format("{}{} {}", channels.empty() ? "" : ", ", layer.grid,
                                 layer.transfer.points.points.name);
-    print_notes(
-        {fmt::format("{}: channels are layers: {}; --grid draws one, --layer grid=NAME,... "
-                     "others",
-                     input, channels)});
+    print_notes({fmt::format(
+        "{}: drawing channels as layers: {}; --grid draws one, --layer grid=NAME,... others", input,
+        channels)});
 }
 
 /// Whether --request is JSON or a page's link itself, not a file.
@@ -164,8 +162,8 @@ void place_layers(DrawingArguments& drawing, PictureRequest& request) {
     for (std::size_t n = 0; n < all.size(); ++n)
         if (std::ranges::none_of(request.layers, [&](const Layer& l) { return l.input == n; }))
             throw UsageError(
-                fmt::format("--layer: {} is in no layer, expected --layer {},...; "
-                            "files of one mesh are a pattern in quotes, 'level*.vdb'",
+                fmt::format("--layer: no layer uses {}; add --layer {},... (for files of one mesh "
+                            "use a quoted pattern, 'level*.vdb')",
                             all[n], all[n]));
     drawing.inputs.resize(1);
 }

@@ -158,8 +158,9 @@ bool may_be_signed(const VolumeInputOptions& options) {
 
 std::string signed_note(const std::string& input, double lower, double upper) {
     return fmt::format(
-        "{}: values from {:.6g} to {:.6g}: no density, every active voxel counts alike", input,
-        lower, upper);
+        "{}: values from {:.6g} to {:.6g} are not densities: every active voxel has the same "
+        "weight",
+        input, lower, upper);
 }
 
 void SceneInputs::set_primitives_text(std::size_t levels) {
@@ -189,13 +190,13 @@ std::vector<VoxelField> read_shown_field(const DrawingArguments& arguments,
         const std::string name = printable(field.name);
         const std::string& input = arguments.inputs.front();
         if (field.is_vector() && part.empty())
-            throw Error(fmt::format(
-                "{0}: field '{1}' is a vector, --show {2} draws one number: --field {1}.x, {1}.y, "
-                "{1}.z or {1}.magnitude",
-                input, name, word_of(request.show)));
+            throw Error(
+                fmt::format("{0}: field '{1}' is a vector, but --show {2} draws one number; use "
+                            "--field {1}.x, {1}.y, {1}.z or {1}.magnitude",
+                            input, name, word_of(request.show)));
         if (!field.is_vector() && !part.empty())
-            throw Error(fmt::format("{}: field '{}' is scalar and has no {}, expected --field {}",
-                                    input, name, part, name));
+            throw Error(fmt::format("{}: field '{}' is scalar and has no {}; use --field {}", input,
+                                    name, part, name));
         if (part.empty()) continue;
         const auto place = static_cast<std::size_t>(&field - fields.data());
         field = component_of(std::move(field), part.substr(1), volumes[place]);
@@ -233,8 +234,7 @@ SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& reque
     const auto add_text = [](SceneInputs& to, const std::string& text) {
         to.primitives_text += (to.primitives_text.empty() ? "" : " and ") + text;
     };
-    if (ranks.divided())
-        throw UsageError("--layer: layers are drawn by one process, expected vog render");
+    if (ranks.divided()) throw UsageError("vog-mpi does not draw layers; use vog render");
     SceneInputs all;
     std::vector<Scene> scenes;
     for (Layer& layer : request.layers) {

@@ -73,8 +73,8 @@ void check_site(const fs::path& folder) {
     }
     if (!absent.empty())
         throw Error(
-            fmt::format("{}: a folder without {}, expected a site, as vog page MODEL -o site/ "
-                        "writes it, a page (.html) or a compact model (.vogz)",
+            fmt::format("{}: a folder without {}; expected a site (vog page MODEL -o site/ writes "
+                        "one), a page (.html) or a compact model (.vogz)",
                         folder.string(), absent));
 }
 
@@ -100,10 +100,10 @@ SiteFolder::SiteFolder(const fs::path& path) {
     const std::string extension = root_.extension().string();
     if (!fs::is_regular_file(root_, code) || (extension != ".html" && extension != ".vogz") ||
         !plain_names(only_))
-        throw Error(fmt::format(
-            "{}: expected a site (a folder of vog page MODEL -o site/), a page (.html) or a "
-            "compact model (.vogz)",
-            path.string()));
+        throw Error(
+            fmt::format("{}: expected a site (a folder from vog page MODEL -o site/), a page "
+                        "(.html) or a compact model (.vogz)",
+                        path.string()));
     root_ = root_.parent_path();
 }
 

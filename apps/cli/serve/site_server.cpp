@@ -188,10 +188,12 @@ int bind(httplib::Server& server, const ServerOptions& options) {
     }
     const std::string where = fmt::format("--set host={} --port {}", options.host, options.port);
     if (errno == EADDRINUSE)
-        throw Error(fmt::format("{}: the port is in use, expected a free one (0: any)", where));
+        throw Error(
+            fmt::format("{}: the port is in use; choose another (0: any free port)", where));
     if (errno == EACCES)
-        throw Error(fmt::format("{}: no permission, expected a port from 1024 on (0: any)", where));
-    throw Error(fmt::format("{}: expected an address of this machine, as 127.0.0.1", where));
+        throw Error(
+            fmt::format("{}: no permission; choose a port from 1024 on (0: any free port)", where));
+    throw Error(fmt::format("{}: expected an address of this machine, such as 127.0.0.1", where));
 }
 
 }  // namespace

@@ -55,9 +55,9 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
     const std::vector<FieldChoice> all = field_choices(fields, show);
     if (show == Show::slice)
         throw Error(
-            "windows draw no slices, expected T, column, mean, deviation, volume or maximum");
+            "the window draws no slices; choose T, column, mean, deviation, volume or maximum");
     if (all.empty())
-        throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
+        throw Error(fmt::format("{} needs a {}field, which this model lacks", name_of(show),
                                 is_by_value(show) ? "scalar " : ""));
     if (text.empty()) {
         if (is_by_value(show)) return {scalar_to_begin_with(fields)->name, FieldPart::value};
@@ -66,7 +66,7 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
     const FieldChoice choice = field_choice(text, fields);
     if (std::ranges::none_of(all, [&](const FieldChoice& one) { return same(one, choice); }))
         throw Error(
-            fmt::format("{} is not of {}, expected {}", name_of(show), field_label(choice),
+            fmt::format("{} cannot show {}; choose {}", name_of(show), field_label(choice),
                         is_by_value(show) ? "a scalar field" : "a scalar field or one component"));
     return choice;
 }

@@ -62,8 +62,7 @@ std::vector<OpacityPoint> opacity_from(const std::vector<std::string>& words) {
 /// Edits of the transfer function of values.
 void edit_values(const Action& action, Session& session) {
     if (session.quantity.show != Show::volume || !session.values.now())
-        throw Error(fmt::format(
-            "{}: is of volumes by value, expected `show volume` and `wait` before", action.verb));
+        throw Error(fmt::format("{} needs `show volume` and `wait` before it", action.verb));
     ValueTransfer next = *session.values.now();
     const std::vector<std::string>& w = action.words;
     if (action.verb == "unit-distance") {

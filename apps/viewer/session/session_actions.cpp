@@ -154,7 +154,7 @@ void Session::start_recording(Recording recording) {
     recording.step = step_;
     const std::string extension = recording.output.extension().string();
     if (extension == ".mp4" || extension == ".webm") {
-        if (!open_film) throw Error("films are of `vog view`, expected a folder");
+        if (!open_film) throw Error("this window makes no films; choose a folder");
         const double per_second = recording.turns ? 30 : settings.steps_per_second;
         recording.film = open_film(recording.output.string(), per_second);
     } else {

@@ -203,8 +203,8 @@ Arrangement arrangement_of(std::span<const VolumeOutline> outlines) {
             for (std::size_t other = n + 1; other < last; ++other)
                 if (overlap(volumes[n], volumes[other]))
                     return {overlapping,
-                            fmt::format("{} and {} have voxels of one size at one place: they are "
-                                        "no levels of a mesh",
+                            fmt::format("{} and {} have voxels of the same size at the same place: "
+                                        "they are not levels of one mesh",
                                         volumes[n].outline->label, volumes[other].outline->label)};
             if (coarser.empty()) continue;
             if (nested(volumes[n], coarser)) {
@@ -214,8 +214,8 @@ Arrangement arrangement_of(std::span<const VolumeOutline> outlines) {
             for (const Outlined& other : coarser)
                 if (overlap(volumes[n], other))
                     return {overlapping,
-                            fmt::format("{} and {} overlap, but the finer one's voxels are not "
-                                        "nested in the coarser one's: they are no levels of a mesh",
+                            fmt::format("{} and {} overlap, but the finer voxels are not nested in "
+                                        "the coarser ones: they are not levels of one mesh",
                                         volumes[n].outline->label, other.outline->label)};
         }
     }

@@ -213,8 +213,9 @@ std::string coverage_note(const FieldCoverage& coverage) {
                                  : 1 - coverage.covered_voxels / coverage.voxels;
     if (share < kLeastShare) return {};
     const std::string percent = share < 0.995 ? fmt::format("{:.2g}", 100 * share) : "100";
-    return fmt::format("{}: inactive at {} % of the {} of {}, where its background counts",
-                       coverage.grid, percent, massive ? "mass" : "voxels", coverage.volume);
+    return fmt::format(
+        "{}: inactive at {} % of the {} of {}; the field has its background value there",
+        coverage.grid, percent, massive ? "mass" : "voxels", coverage.volume);
 }
 
 std::string field_name(const FieldSource& source) { return name_of(source); }

@@ -146,9 +146,9 @@ std::string common_type(std::span<const std::filesystem::path> files,
         return all.name[likely.index];
     }
     if (files.size() == 1 || std::ranges::count(all.name, options.grid)) return options.grid;
-    throw Error(
-        fmt::format("{}: no particles '{}', expected one by name (--grid; the files have: {})",
-                    files.front().string(), printable(options.grid), fmt::join(all.name, ", ")));
+    throw Error(fmt::format("{}: no particles '{}'; choose some with --grid (the files have: {})",
+                            files.front().string(), printable(options.grid),
+                            fmt::join(all.name, ", ")));
 }
 
 }  // namespace

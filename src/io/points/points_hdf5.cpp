@@ -139,7 +139,7 @@ class Snapshot {
                                  : "no type with particles: Coordinates of 3 numbers each");
         if (requested.empty()) return open(types_.name[likely_type(name_, types_, refuse).index]);
         if (std::ranges::count(types_.name, requested)) return open(requested);
-        throw Error(fmt::format("{}: {}, expected one by name (--grid; it has: {})", name_,
+        throw Error(fmt::format("{}: {}; choose one with --grid (it has: {})", name_,
                                 std::ranges::count(groups_, requested)
                                     ? fmt::format("{} has no particles", requested)
                                     : fmt::format("no particles '{}'", printable(requested)),

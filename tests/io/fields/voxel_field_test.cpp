@@ -84,8 +84,8 @@ TEST_F(voxel_field, inactive_voxels_have_the_background) {
     // 64 of 512 voxels of density 2, the others of 0.5: 128 / 352 of the mass.
     ASSERT_EQ(notes_.size(), 1u);
     EXPECT_EQ(notes_[0].substr(notes_[0].find("fields.vdb")),
-              "fields.vdb: grid 't': inactive at 36 % of the mass of the volume, where its "
-              "background counts");
+              "fields.vdb: grid 't': inactive at 36 % of the mass of the volume; the "
+              "field has its background value there");
     // Below, there is none: 64 of 512 voxels with 1e-4 of the mass.
     for (int n = 0; n < 64; ++n) volume.leaves[0].value[std::size_t(n)] = 3.5e-4f;
     read(grid, volume);

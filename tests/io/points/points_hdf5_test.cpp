@@ -112,13 +112,14 @@ TEST(points_hdf5, gas_is_meant_among_several_types_and_noted) {
     const std::filesystem::path file = dir / "s.hdf5";
     std::vector<std::string> notes;
     EXPECT_EQ(read_points(std::span(&file, 1), {}, &notes).size(), 2u);
-    EXPECT_EQ(notes, std::vector<std::string>{
-                         file.string() +
-                         ": takes 'PartType0', one of 2 grids; --grid takes another: PartType1"});
+    EXPECT_EQ(notes,
+              std::vector<std::string>{
+                  file.string() +
+                  ": reading 'PartType0', one of 2 grids; --grid chooses another: PartType1"});
     EXPECT_EQ(read_points(file).size(), 2u);
     EXPECT_NE(refusal([&] {
                   read_points(file, {.refuse_several = true});
-              }).find("expected one by name (--grid; it has: PartType0, PartType1)"),
+              }).find("choose one with --grid (it has: PartType0, PartType1)"),
               std::string::npos);
     const Points points = read_points(dir / "s.hdf5", {.grid = "PartType1"});
     EXPECT_EQ(points.position.at(0), (Vec3d{7, 8, 9}));
@@ -252,7 +253,7 @@ TEST(points_hdf5, types_without_particles_are_no_choice) {
                                        {"PartType4", "PartType4 has no particles"},
                                        {"PartType5", "no particles 'PartType5'"}}) {
         const std::string message = refusal([&] { read_points(dir / "s.hdf5", {.grid = type}); });
-        EXPECT_NE(message.find(reason + std::string(", expected one by name (--grid; it has: "
+        EXPECT_NE(message.find(reason + std::string("; choose one with --grid (it has: "
                                                     "PartType1)")),
                   std::string::npos)
             << message;

@@ -116,11 +116,11 @@ TEST(scan, frames_are_grids) {
     std::vector<std::string> notes;
     EXPECT_EQ(read_volume(dir / "a.nii", {}, &notes).name, "t0");
     ASSERT_EQ(notes.size(), 1u);
-    EXPECT_NE(notes.front().find("takes 't0', one of 2 grids; --grid takes another: t1"),
+    EXPECT_NE(notes.front().find("reading 't0', one of 2 grids; --grid chooses another: t1"),
               std::string::npos);
     EXPECT_NE(refusal([&] {
                   read_volume(dir / "a.nii", {.refuse_several = true});
-              }).find("2 grids, expected one by name (--grid; it has: t0, t1)"),
+              }).find("2 grids; choose one with --grid (it has: t0, t1)"),
               std::string::npos);
     EXPECT_NE(
         refusal([&] { read_volume(dir / "a.nii", {.grid = "t2"}); }).find("no grid named 't2'"),

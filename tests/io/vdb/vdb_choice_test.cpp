@@ -77,11 +77,11 @@ TEST(vdb_choice, without_density_the_largest_fog_volume_is_read_and_noted) {
     EXPECT_EQ(found.names, std::vector<std::string>{"temperature"});
     EXPECT_EQ(found.notes,
               std::vector<std::string>{
-                  file.string() + ": takes 'temperature', the largest of 4 grids; --grid takes "
+                  file.string() + ": reading 'temperature', the largest of 4 grids; --grid chooses "
                                   "another: flames, surface, empty"});
     EXPECT_EQ(test::error_of([&] { read_volume(file, {.refuse_several = true}); }),
               file.string() +
-                  ": 4 grids, expected one by name (--grid; it has: flames, "
+                  ": 4 grids; choose one with --grid (it has: flames, "
                   "temperature, surface, empty)");
     std::vector<std::string> notes;
     EXPECT_EQ(read_volume(file, {.grid = "flames", .refuse_several = true}, &notes).name, "flames");
@@ -104,8 +104,9 @@ TEST(vdb_choice, numbered_grids_are_levels_and_files_share_the_choice) {
     const std::filesystem::path amr = dir / "amr.vdb";
     std::vector<std::string> notes;
     EXPECT_EQ(read_levels(std::span(&amr, 1), {}, &notes).volumes.size(), 2u);
-    EXPECT_EQ(notes, std::vector<std::string>{amr.string() + ": takes the grids 'rho_L*' as levels "
-                                                             "of one mesh; --grid takes one"});
+    EXPECT_EQ(notes,
+              std::vector<std::string>{amr.string() + ": reading the grids 'rho_L*' as "
+                                                      "levels of one mesh; --grid chooses one"});
     const auto large = grid_with("b");
     openvdb::gridPtrCast<openvdb::FloatGrid>(large)->tree().addTile(1, {8, 0, 0}, 1, true);
     const auto larger = grid_with("a");

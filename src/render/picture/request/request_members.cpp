@@ -51,23 +51,21 @@ std::vector<Entry> quantity_entries() {
     const std::vector<std::string> scales{"auto", "linear", "log", "symmetric"};
     return {
         {{"show", kQuantity, "",
-          "Quantity of the picture: T (optical depth, coloured by V = 1 - exp(-T)); column: column "
-          "density, the integral of density along the ray in world units (of particles: number or "
-          "value per area); of `field` mean, weighted by density along the ray, or deviation, its "
-          "standard deviation; volume: emission and absorption by the value of `field`, under "
-          "`tf`, "
-          "`window` or `bands`; maximum: the largest value of `field` along the ray; slice: on "
-          "`plane` the density, or `field` weighted by it",
+          "Quantity to draw. T: optical depth, coloured by V = 1 - exp(-T). column: column "
+          "density, the integral of density along the ray, world units (for particles: number or "
+          "value per area). mean, deviation: mean and standard deviation of `field` along the ray, "
+          "weighted by density. volume: volume rendering of `field` with a transfer function "
+          "(`tf`, `window` or `bands`). maximum: largest value of `field` along the ray. slice: "
+          "density on `plane`, or `field` weighted by density",
           "T", words_of_show()},
          choice(VOG_MEMBER(show), words_of_show())},
         {{"field",
           kQuantity,
           "NAME",
-          "Field that mean, deviation, volume, maximum and slice show: temperature, velocity (a "
-          "vector "
-          "field's component along the view, away from the eye positive), velocity.x, .y, .z, or "
-          "velocity.magnitude (root mean square). Default: volume, maximum and slice show the "
-          "density; a page begins with the first field",
+          "Field for mean, deviation, volume, maximum and slice: temperature; velocity (of a "
+          "vector field, the component along the view, positive away from the eye), velocity.x, "
+          ".y, .z, or velocity.magnitude (root mean square). Default: volume, maximum and slice "
+          "show the density; a page starts with the first field",
           "",
           {},
           kOfFields,
@@ -78,26 +76,25 @@ std::vector<Entry> quantity_entries() {
         {{"range",
           kQuantity,
           "LO,HI",
-          "Values at the two ends of the colours; default: of the first picture, column densities "
-          "from 0 to the largest, logarithmic from the 5th percentile, at most four decades; "
-          "fields from the 1st to the 99th percentile; volume: those of the data, weighted by "
-          "mass",
+          "Values of the first and last colour. Default, from the first picture: column densities "
+          "from 0 to the largest (log: from the 5th percentile, at most four decades), fields from "
+          "the 1st to the 99th percentile; volume: these percentiles of the data, weighted by mass",
           "",
           {},
           kOfScales},
          pair(VOG_MEMBER(transfer.range), true, "LO,HI, two numbers, the first below the second")},
         {{"scale", kQuantity, "",
-          "Colour scale: linear, log, for fields symmetric, whose range is centred at 0, or auto: "
-          "log where half of the values would lie in the lowest quarter of a linear scale, for "
-          "volume where values above 0 extend over a decade and more; else linear",
+          "Colour scale: linear, log, symmetric (for fields: range centred at 0) or auto. auto is "
+          "log if half of the values would lie in the lowest quarter of a linear scale (volume: if "
+          "values are above 0 and span a decade or more), otherwise linear",
           "auto", scales, kOfScales},
          choice(VOG_MEMBER(fit), scales)},
         {{"units",
           kQuantity,
           "UNIT",
-          "Unit of the shown quantity: numbers convert to it where the data state theirs (fields, "
-          "dense images, snapshots, models of them), else it is a text for the colour bar "
-          "and the report, such as 'g/cm2'; default: the data's",
+          "Unit of the quantity, such as 'g/cm2'. Numbers are converted if the data have units "
+          "(fields, dense images, snapshots, their models); otherwise it only labels the colour "
+          "bar and the report. Default: the data's unit",
           "",
           {},
           "column mean deviation maximum slice",
@@ -108,8 +105,8 @@ std::vector<Entry> quantity_entries() {
         {{"least_column",
           kQuantity,
           "SHARE",
-          "Share of the largest column below which a picture of a field shows nothing: the mean of "
-          "next to nothing is no colour. Files of values have every pixel",
+          "Share of the largest column below which pictures of fields stay empty, because there is "
+          "almost nothing to average. Files of values contain every pixel",
           fmt::format("{}", kLeastColumn),
           {},
           "mean deviation"},
@@ -120,18 +117,18 @@ std::vector<Entry> quantity_entries() {
 std::vector<Entry> colour_entries() {
     return {
         {{"tf", kColour, "NAME|FILE",
-          fmt::format("Transfer function from V = 1 - exp(-T), or from values in `range`, to "
-                      "colour: a JSON file (of vog or ParaView) or one of {}. Default: {}, of maps "
-                      "{}",
-                      fmt::join(transfer_function_names(), ", "), default_map(Show::depth),
-                      default_map(Show::column))},
+          fmt::format(
+              "Transfer function from V = 1 - exp(-T), or from values in `range`, to colour: a "
+              "JSON file (vog's or ParaView's) or one of {}. Default: {}, for maps {}",
+              fmt::join(transfer_function_names(), ", "), default_map(Show::depth),
+              default_map(Show::column))},
          transfer_values()},
         {{"extinction",
           kColour,
           "NUMBER",
-          "Extinction, the factor on density in the optical depth T, or auto: the value at which "
-          "the 99th percentile of the first picture's non-zero T is 4, or the nearest one whose "
-          "picture is neither dark nor burnt out",
+          "Extinction, the factor from density to optical depth T. auto makes the 99th percentile "
+          "of the first picture's non-zero T 4, or as close to 4 as keeps the picture from being "
+          "too dark or overexposed",
           "auto",
           {},
           "T"},
@@ -142,7 +139,7 @@ std::vector<Entry> colour_entries() {
         {{"blend",
           kColour,
           "",
-          "Blend colours with the background by V, as the paper does: they fade out as V goes to 0",
+          "Blend colours with the background by V, as the paper does: they fade out towards V = 0",
           "",
           {},
           "T"},
@@ -156,8 +153,7 @@ std::vector<Entry> volume_entries() {
         {{"window",
           kVolume,
           "CENTRE,WIDTH",
-          "Window of medical pictures: grey and opacity rise over the values from CENTRE-WIDTH/2 "
-          "to CENTRE+WIDTH/2",
+          "Medical window: grey and opacity rise from CENTRE-WIDTH/2 to CENTRE+WIDTH/2",
           "",
           {},
           "volume"},
@@ -165,9 +161,8 @@ std::vector<Entry> volume_entries() {
         {{"bands",
           kVolume,
           "LO,HI,COLOUR,OPACITY|VALUE,COLOUR",
-          fmt::format("Band of values from LO to below HI of one colour (#rrggbb or a name: {}) "
-                      "and opacity, or the surface at VALUE, opaque up to the next band; may be "
-                      "given again",
+          fmt::format("Values from LO to below HI in one colour (#rrggbb or a name: {}) and "
+                      "opacity, or a surface at VALUE, opaque up to the next band. Repeatable",
                       color_names()),
           "",
           {},
@@ -175,15 +170,15 @@ std::vector<Entry> volume_entries() {
           "",
           true},
          bands_values()},
-        {{"threshold", kVolume, "VALUE", "Value below which nothing is shown", "", {}, "volume"},
+        {{"threshold", kVolume, "VALUE", "Show nothing below this value", "", {}, "volume"},
          open(VOG_MEMBER(transfer.threshold), kAny)},
         {{"unit_distance",
           kVolume,
           "LENGTH",
-          "World length over which opacities hold: extinction = -ln(1 - opacity) / unit distance. "
-          "Default: the file's of `tf`, else a hundredth of the box's diagonal; for the name of a "
-          "colour map the one at which data of the median value, spread evenly over the "
-          "silhouette of their box, have an optical depth of 2",
+          "World length to which opacities refer: extinction = -ln(1 - opacity) / unit distance. "
+          "Default: from the `tf` file, else a hundredth of the box's diagonal. For a named colour "
+          "map: the length at which data of the median value, spread evenly over the silhouette of "
+          "their box, have an optical depth of 2",
           "",
           {},
           "volume"},
@@ -192,8 +187,8 @@ std::vector<Entry> volume_entries() {
         {{"light",
           kVolume,
           "head|studio|X,Y,Z",
-          "Light of Blinn and Phong on the gradient of the values: head (from the eye) or a "
-          "direction of the world towards the light. studio: no shading, but `shadows`, "
+          "Blinn-Phong shading by the gradient of the values, with light from the eye (head) or "
+          "from a world direction (towards the light). studio: instead of shading, `shadows`, "
           "`ambient_occlusion` and three octaves of `scattering`",
           "",
           {},
@@ -202,8 +197,8 @@ std::vector<Entry> volume_entries() {
         {{"shadows",
           kVolume,
           "",
-          "Cast shadows: matter absorbs light on its way. The light comes from the direction that "
-          "`light` gives, otherwise from `light_from`",
+          "Cast shadows: matter absorbs light on its way. The light comes from `light`'s "
+          "direction, otherwise from `light_from`",
           "",
           {},
           "volume"},
@@ -211,9 +206,8 @@ std::vector<Entry> volume_entries() {
         {{"light_from",
           kVolume,
           "X,Y,Z",
-          "Direction of the world towards the light that casts `shadows`, without shading "
-          "surfaces; "
-          "default: the upper left of the view",
+          "World direction towards the light that casts `shadows`, without shading surfaces. "
+          "Default: the upper left of the view",
           "",
           {},
           "volume"},
@@ -239,8 +233,8 @@ std::vector<Entry> volume_entries() {
         {{"asymmetry",
           kVolume,
           "G",
-          "Asymmetry of the phase function (Henyey and Greenstein) beside `shadows`: above 0 light "
-          "scatters forward, and edges in front of it shine; 0.6 suits clouds",
+          "Asymmetry of the Henyey-Greenstein phase function, with `shadows`: above 0 light "
+          "scatters forward, and edges in front of the light shine; 0.6 suits clouds",
           "0",
           {},
           "volume"},
@@ -256,9 +250,9 @@ std::vector<Entry> volume_entries() {
         {{"slabs",
           kVolume,
           "N",
-          "Depth slabs of a model's picture by splat, cuda or optix: more lie nearer to "
-          "exact order (`renderer` trace), and cost memory and time; default 32, with light 64, "
-          "of maximum 128",
+          "Depth slabs of a model's picture with splat, cuda or optix. More slabs approach exact "
+          "depth order (`renderer` trace) but cost memory and time. Default: 32, with light 64, "
+          "for maximum 128",
           "",
           {},
           "volume maximum",
@@ -267,9 +261,9 @@ std::vector<Entry> volume_entries() {
         {{"precision",
           kVolume,
           "ERROR",
-          "Error of colour and opacity, from 0 to 1 and estimated from the pixels around, up to "
-          "which a pixel of a model is interpolated in a picture of half the resolution; 0: every "
-          "pixel is drawn",
+          "Largest error of colour and opacity, from 0 to 1, at which a model's pixel is "
+          "interpolated from half the resolution; it is estimated from neighbouring pixels. 0: "
+          "draw every pixel",
           fmt::format("{}", kVolumePrecision),
           {},
           "volume",
@@ -278,10 +272,10 @@ std::vector<Entry> volume_entries() {
         {{"layers",
           kVolume,
           "[FILE,]KEY=VALUE,...",
-          "Field that is drawn together with those of other layers, in place of `field` and `tf`: "
-          "of FILE, otherwise of the input, with its own field, tf, range, scale, window, band, "
-          "iso, threshold and unit-distance: stars.ply,field=age,tf=inferno,range=0,1. Where "
-          "layers overlap, their extinctions add up; may be given again",
+          "Layer of a picture with several fields, instead of `field` and `tf`: a FILE (default: "
+          "the input) with its own field, tf, range, scale, window, band, iso, threshold and "
+          "unit-distance, such as stars.ply,field=age,tf=inferno,range=0,1. Where layers overlap, "
+          "their extinctions add up. Repeatable",
           "",
           {},
           "volume",
@@ -289,13 +283,13 @@ std::vector<Entry> volume_entries() {
           true},
          layers_values()},
         {{"clip", kClip, "X0,Y0,Z0,X1,Y1,Z1",
-          "Box of the world that counts, exact on every ray; a page or a window begins with it"},
+          "Keep only this box of the world, cut exactly on every ray. Pages and windows start with "
+          "it"},
          box_values()},
         {{"clip_planes",
           kClip,
           "NX,NY,NZ,D",
-          "Plane that cuts off its side behind: a point x of the world counts where n.x >= d; may "
-          "be given again",
+          "Keep only the side of a plane where a world point x has n.x >= d. Repeatable",
           "",
           {},
           "",
@@ -310,11 +304,11 @@ std::vector<Entry> slice_entries() {
         {{"plane",
           kSlice,
           "AXIS[=POSITION]|NX,NY,NZ,D",
-          "Plane of the slice: x, y or z with a position in world units (z=0.5), of scans axial, "
-          "coronal or sagittal with the coordinate up, to the front or to the right (axial=12), or "
-          "the points x of the world with n.x = d. Without a position: the middle of the data. The "
-          "view is along the normal and parallel; scans are seen as radiologists see them, with "
-          "letters at the sides",
+          "Plane of the slice: x, y or z with a position in world units (z=0.5); for scans axial, "
+          "coronal or sagittal with the coordinate up, to the front or to the right (axial=12); or "
+          "the world points x with n.x = d. Default position: the middle of the data. The view is "
+          "orthographic along the normal. Scans are shown as radiologists view them, with letters "
+          "at the sides",
           "",
           {},
           "slice",
@@ -339,20 +333,20 @@ std::vector<Entry> picture_entries() {
           "512x512"},
          size_values()},
         {{"color_bar", kPicture, "",
-          "Add a colour bar with ticks on the right of the picture, which becomes wider; an "
-          "orthographic picture along axes gets coordinates on the left and below"},
+          "Add a colour bar with ticks to the right of the picture, which becomes wider. "
+          "Orthographic pictures along an axis also get coordinates on the left and below"},
          plain(VOG_MEMBER(marks.color_bar))},
         {{"axes", kPicture, "",
-          "Draw the outline of the data's box, with coordinates along its edges; a fitted picture "
-          "holds it whole"},
+          "Draw the outline of the data's box with coordinates along its edges. A fitted picture "
+          "shows all of it"},
          plain(VOG_MEMBER(marks.axes))},
         {{"scale_bar", kPicture, "",
-          "Draw a bar of a round length, in world units, at the depth of the point looked at"},
+          "Draw a scale bar of a round length, world units, at the depth of the camera's target"},
          plain(VOG_MEMBER(marks.scale_bar))},
         {{"title",
           kPicture,
           "TEXT",
-          "Text above the picture, which becomes higher",
+          "Text above the picture, which becomes taller",
           "",
           {},
           "",
@@ -371,10 +365,9 @@ std::vector<Entry> renderer_entries() {
         {{"pixel_error",
           kRenderer,
           "PIXELS",
-          "Largest error of a coarser Gaussian that splat, cuda or optix draws in place of finer "
-          "ones, pixels; 0: none is drawn; default: 1 of splat, none of the others. Needs a "
-          "hierarchy, which vog convert writes; a model without one gets one when this option is "
-          "given",
+          "Largest error, in pixels, of a coarser Gaussian that splat, cuda or optix draws instead "
+          "of finer ones. 0: draw all Gaussians. Default: 1 for splat; cuda and optix draw all. "
+          "Needs the hierarchy that vog convert writes; if a model has none, this option builds it",
           "",
           {},
           "T column mean deviation",
@@ -383,8 +376,8 @@ std::vector<Entry> renderer_entries() {
         {{"kappa",
           kRenderer,
           "SHARE",
-          "Cut kernels where they have fallen to this share of their peak, in place of the model's "
-          "own cutoff: k = sqrt(-2 ln kappa)",
+          "Cut kernels where they fall to this share of their peak, instead of at the model's own "
+          "cutoff: k = sqrt(-2 ln kappa)",
           "",
           {},
           "",
@@ -401,13 +394,13 @@ std::vector<Entry> renderer_entries() {
           "splat trace optix"},
          plain(VOG_MEMBER(options.aabb_sigma), kFromZero)},
         {{"interpolation", kRenderer, "",
-          "Voxels of the reference: constant (exact), or linear between their centres", "constant",
-          readings, "", "reference"},
+          "Voxels in the reference renderer: constant (exact), or linear between their centres",
+          "constant", readings, "", "reference"},
          choice(VOG_MEMBER(options.voxels.interpolation), readings)},
         {{"step",
           kRenderer,
           "VOXELS",
-          "Step of linear interpolation; 0: exact, cell by cell",
+          "Step of linear interpolation; 0 integrates every cell exactly",
           fmt::format("{}", VoxelGridOptions{}.step_voxels),
           {},
           "",
@@ -416,22 +409,22 @@ std::vector<Entry> renderer_entries() {
         {{"samples",
           kRenderer,
           "N",
-          "Rays of reference and optix: N for the mean of N x N in each pixel; 1: the ray through "
-          "its centre",
+          "Rays per pixel with reference and optix: the mean of N x N rays; 1: one ray through the "
+          "pixel's centre",
           "1",
           {},
           "",
           "reference optix"},
          plain(VOG_MEMBER(options.samples), {1, 64, "1 to 64"})},
         {{"anyhit", kRays, "",
-          "Treatment of a hit by trace and optix: accumulate adds it at once; collect, as the "
-          "paper, gathers, sorts by entry and integrates front to back",
+          "How trace and optix treat hits: accumulate adds each at once; collect, like the paper, "
+          "gathers them, sorts by entry and integrates front to back",
           "accumulate", hits, "T column", "trace optix"},
          choice(VOG_MEMBER(options.trace.anyhit), hits)},
         {{"hits_per_slab",
           kRays,
           "N",
-          "Hits that collect holds at once; rays with more go on, slab by slab",
+          "Hits stored per pass of collect; rays with more hits take several passes",
           fmt::format("{}", TraceOptions{}.hits_per_slab),
           {},
           "T column",
@@ -440,7 +433,7 @@ std::vector<Entry> renderer_entries() {
         {{"stop_transmittance",
           kRays,
           "SHARE",
-          "End a ray of collect once its transmittance is below this; 0: never",
+          "With collect, end a ray once its transmittance is below this; 0: never",
           "0",
           {},
           "T",
