@@ -28,7 +28,7 @@ std::span<const RequestMember> request_schema();
 
 /// An option that has an effect only beside some values of another one: of requests, where options are members, and of conversions.
 struct OptionRule {
-    std::string members;  ///< keys, "tf range"; "scale=symmetric": this value alone
+    std::string members;  ///< keys, "tf range"; "scale=symmetric": only this value
     std::string beside;   ///< key of the other one; "shadows light=studio": one of these
     std::string values;   ///< "mean deviation"; "*": not its default; "-": its default
     std::string of{};  ///< quantities, or conversions, that the rule is for, "volume"; empty: all

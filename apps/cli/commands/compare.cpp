@@ -257,20 +257,18 @@ void add_compare(CLI::App& app) {
                      "Image to compare with the reference; same kind and size")
         ->required();
     command->add_option("--diff", arguments->diff,
-                        "Heat map of the differences to write, .png: of V = 1 - exp(-T) for "
-                        "depth images, of the channel that differs most for pictures");
+                        "Write a heat map of the differences (.png): of V = 1 - exp(-T) for depth "
+                        "images, of the most different channel for pictures");
     add_value(*command, setting("diff-limit"), arguments->diff_limit, "[0, inf)",
-              "Difference at the end of the heat map's scale, in units of 1/255; 0: the largest "
-              "difference, rounded up to 1, 2 or 5 times a power of ten");
+              "End of the heat map's scale, in units of 1/255; 0: the largest difference, rounded "
+              "up to 1, 2 or 5 times a power of ten");
     add_value(*command, "--extinction", arguments->extinction, "",
-              "Extinction, the factor on density, at which depth images are compared: stored, the "
-              "reference's own; a number; or auto, where the 99th percentile of the reference's "
-              "non-zero T is 4");
+              "Extinction at which depth images are compared: stored (the reference's), a number, "
+              "or auto, which makes the 99th percentile of the reference's non-zero T 4");
     add_value(*command, "--tf", arguments->tf, "",
               "Transfer function for the RGB figures of depth images: a name or a JSON file");
     command->add_flag("--json", arguments->json,
-                      "Print a single JSON object; null: infinite or "
-                      "undefined");
+                      "Print a single JSON object; null means infinite or undefined");
     on_run(*command, [arguments](GivenOptions& given) { compare_files(*arguments, given); });
 }
 

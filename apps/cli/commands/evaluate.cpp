@@ -202,13 +202,13 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     add_volume_options(*command, arguments->volume);
     command->add_option(
         "--field", arguments->fields,
-        "Field whose maps of mean and deviation are compared too: a grid of the inputs, "
-        "FILE:GRID or NAME=FILE:GRID; of vectors the component along the view. Repeatable");
+        "Also compare maps of this field's mean and deviation: a grid of the inputs, FILE:GRID or "
+        "NAME=FILE:GRID; for vectors, the component along the view. Repeatable");
     add_value(*command, "--size", arguments->size, "",
               "Size of the pictures in pixels, WxH or one number for a square");
     add_value(*command, "--extinction", arguments->extinction, "",
-              "Extinction, the factor on density, or auto: in each view the value at which the "
-              "99th percentile of the reference's non-zero optical depth T is 4");
+              "Extinction, or auto, which makes the 99th percentile of the reference's non-zero "
+              "optical depth T 4 in each view");
     command
         ->add_option("--tf", arguments->tfs,
                      "Transfer function of the pictures and of the RGB figures: a name or a JSON "

@@ -249,21 +249,20 @@ void add_export(CLI::App& app) {
         "Mitsuba's volumetric primitives (.ply), or surfaces of models and volumes (.stl, .obj, "
         ".ply)");
     add_model_options(*command, arguments->models,
-                      "File to write: .spz, .glb, .usda, .ply with --as, or of --iso .stl or .obj; "
-                      "several inputs are added up");
+                      "File to write: .spz, .glb, .usda, .ply with --as; with --iso also .stl or "
+                      ".obj. Several inputs are added up");
     add_value(*command, "--as", arguments->layout, "3dgs volprim surface",
               "Layout of a .ply: 3dgs (splats with opacities, for renderers of 3D Gaussian "
               "splatting), volprim (volumetric primitives, for Mitsuba) or surface (of --iso)");
     command->add_option("--iso", arguments->iso,
-                        "Value of the surface that is written as triangles in world units, in the "
-                        "unit of the density");
+                        "Write the surface at this density as triangles, in world units");
     add_value(*command, "--voxel-size", arguments->voxel_size, "(0, inf)",
-              "Edge of the voxels that a model's surface is found in, world units; default: one "
-              "and a half times the middle standard deviation of its Gaussians, at least a 256th "
-              "of its box's longest edge");
+              "Edge of the voxels used to find a model's surface, world units. Default: one and a "
+              "half times the median standard deviation of its Gaussians, at least a 256th of its "
+              "box's longest edge");
     add_value(*command, "--units", arguments->units, "world box",
-              "Coordinates of splats: box, the model's box centred at 0 with a longest edge of 2, "
-              "which viewers open in view; or world, those of the data. The file states the scale. "
+              "Coordinates of splats. box: the model's box is centred at 0 with a longest edge of "
+              "2, so viewers show it at once. world: those of the data. The file stores the scale. "
               "Default: box; world with --as volprim");
     add_member_options(*command, arguments->words, {"field", "tf", "extinction"});
     command->get_option("--field")->description(

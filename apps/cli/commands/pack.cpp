@@ -177,8 +177,8 @@ void add_pack(CLI::App& app) {
     const OptionGroup grouped(*command, "Precision and layout");
     CLI::Option* loss =
         add_value(*command, "--max-loss", arguments->max_loss_db, "(0, inf)",
-                  "Largest loss of PSNR of V against the data in seven views, dB; the coarsest "
-                  "rounding within it is searched. Without it: --set rounding, about 0.1 dB");
+                  "Find the coarsest rounding that loses at most this much PSNR of V against the "
+                  "data in seven views, dB. Default: --set rounding, about 0.1 dB");
     CLI::Option* reference =
         command
             ->add_option("--reference", arguments->reference,
@@ -186,8 +186,8 @@ void add_pack(CLI::App& app) {
                          "of one mesh). Repeatable")
             ->needs(loss);
     add_value(*command, setting("model-psnr"), arguments->model_psnr_db, "(0, inf)",
-              "With --max-loss and no --reference: PSNR of V of the model against its data, dB; "
-              "default 50")
+              "With --max-loss and no --reference: the assumed PSNR of V of the model against its "
+              "data, dB; default 50")
         ->needs(loss)
         ->excludes(reference);
     add_rounding_options(*command, arguments->rounding);

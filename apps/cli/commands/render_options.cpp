@@ -34,20 +34,19 @@ void add_request_option(CLI::App& command, RenderArguments& arguments) {
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
     command.add_option(
         "-o,--output", arguments.output,
-        "Picture to write, .png or float .exr; default: the input's name with .png in the working "
-        "folder, "
-        "-2, -3, ... added where that exists. A folder (or a name that ends in /), a "
-        "name with a number (t_%04d.png) or a film (.mp4, .webm: by ffmpeg): one "
-        "picture per input, all under one camera and one extinction");
+        "Picture to write, .png or float .exr. Default: INPUT.png in the current directory; -2, "
+        "-3, ... is appended rather than overwriting. A folder (a name ending in /), a numbered "
+        "name (t_%04d.png) or a film (.mp4, .webm; needs ffmpeg) gets one picture per input, all "
+        "with the same camera and extinction");
     add_value(command, "--turntable", arguments.turntable, "[1, 9999]",
-              "Turn the view once about the up axis, in this many pictures, of all inputs "
-              "together: -o names a folder (0001.png, ...), a name with a number or a film. "
-              "Extinction and range are those of the first");
+              "Turn the view once about the up axis in this many pictures, showing all inputs "
+              "together. -o must be a folder (0001.png, ...), a numbered name or a film. The first "
+              "picture sets extinction and range");
     command.add_flag(
         "--steps", arguments.steps,
-        "With --turntable: the inputs are steps in time, which runs once during the turn");
+        "With --turntable: the inputs are time steps, which play once during the turn");
     add_value(command, setting("fps"), arguments.per_second, "[0.01, 240]",
-              "Pictures a second of a film");
+              "Frames per second of a film");
     command.add_option("--depth-out", arguments.depth_output,
                        "Write the optical depth T to an .exr with one float channel Y");
     command.add_option(

@@ -65,8 +65,8 @@ void sample(const SampleArguments& arguments) {
 
 void add_sample(CLI::App& app) {
     auto arguments = std::make_shared<SampleArguments>();
-    CLI::App* command =
-        app.add_subcommand("sample", "Generate procedural test data, the same bytes every time");
+    CLI::App* command = app.add_subcommand(
+        "sample", "Generate procedural test data with the same bytes every time");
     add_value(*command, "what", arguments->kind, "cloud explosion fire head amr particles",
               "cloud: a cumulus cloud with soft edges and a constant core; explosion: a turbulent, "
               "hollow fireball; fire: the same with its temperature in K as a second grid; head: a "
@@ -83,7 +83,7 @@ void add_sample(CLI::App& app) {
                           "level; particles: the cube root of their number, 8 to 512 (default {})",
                           SampleOptions{}.size, ParticleSampleOptions{}.size));
     add_value(*command, setting("seed"), arguments->options.seed, "",
-              "Seed of the random numbers: other seeds give other shapes");
+              "Seed of the random numbers; other seeds give other shapes");
     command->add_flag("--half", arguments->half,
                       "Store voxel values as 16-bit floats; not for particles");
     add_threads_option(*command, arguments->threads);

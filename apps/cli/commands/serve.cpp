@@ -95,10 +95,10 @@ void add_serve(CLI::App& app) {
         ->required();
     CLI::Option* port =
         add_value(*command, "--port", arguments->server.port, "[0, 65535]",
-                  "Port to listen at; 0: any free one. Default: 8080, or the next free one");
+                  "Port to listen on; 0: any free port. Default: 8080, or the next free port");
     add_value(*command, setting("host"), arguments->server.host, "",
-              "Address or name to listen at; other machines can read the site where it is not this "
-              "machine's loopback: 0.0.0.0, all addresses");
+              "Address or name to listen on. Other machines can read the site unless it is this "
+              "machine's loopback; 0.0.0.0: all addresses");
     command
         ->add_option(setting("allow-origin"), arguments->server.allow_origin,
                      "Origin whose pages may read the files, such as https://example.org, or * for "

@@ -207,22 +207,20 @@ void add_view(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("view", "Explore volumes, particles and models in a window");
     command->add_option("inputs", arguments->inputs,
-                        "Volumes (several: levels or parts of one mesh), particles or PLY models; "
-                        "more files can be "
-                        "dropped on the window");
-    command->add_flag(
-        "--steps,!--no-steps", arguments->steps,
-        "Whether the models are steps in time, with a play bar, one extinction and one "
-        "range; default: those that one pattern matches");
+                        "Models, volumes (several: levels or parts of one mesh) or particles. You "
+                        "can drop more files on the window");
+    command->add_flag("--steps,!--no-steps", arguments->steps,
+                      "Treat the models as time steps, with a play bar, one extinction and one "
+                      "range. Default: yes if a single pattern names them");
     add_value(*command, "--size", arguments->size, "", "Size of the window in pixels, WxH");
     command->add_option("--script", arguments->script,
                         "Run the actions in this file, then exit (docs/viewer.md)");
     command->add_flag("--headless", arguments->headless,
-                      "Run the script without a window: only its pictures are written");
+                      "Run the script without a window and write only its pictures");
     add_value(*command, setting("resolution"), arguments->resolution, "[0.1, 4]",
               "Rendered pixels per screen pixel, along an edge");
     add_value(*command, setting("ui-scale"), arguments->ui_scale, "[0, 8]",
-              "Scale of text and controls; 0: that of the display");
+              "Scale of text and controls; 0: the display's scale");
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);

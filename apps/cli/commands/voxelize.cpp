@@ -144,12 +144,11 @@ void add_voxelize(CLI::App& app) {
                       "share of mass outside");
     command->add_flag(
         "--fields", arguments->fields,
-        "Write the model's fields too, a grid each: the mean over a voxel, weighted by density");
-    command->add_flag(
-        "--skip-nonfinite", arguments->values.skip_nonfinite,
-        "Leave out splats with NaN or infinite numbers, which are an error otherwise; "
-        "their number is reported");
-    add_value(*command, "--name", arguments->name, "", "Name of the grid of density");
+        "Also write the model's fields, one grid each: density-weighted means over a voxel");
+    command->add_flag("--skip-nonfinite", arguments->values.skip_nonfinite,
+                      "Leave out splats with NaN or infinite numbers and report their number; "
+                      "otherwise they are an error");
+    add_value(*command, "--name", arguments->name, "", "Name of the density grid");
     add_memory_options(*command, arguments->memory, "; a .vdb only");
     add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     on_run(*command, [arguments](GivenOptions& given) { run_voxelize(*arguments, given); });

@@ -124,18 +124,18 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         ->check(view_error);
     add_value(command, "--distance", arguments.distance_radii, "(0, inf)",
               "Distance of the eye from the centre of the input's bounding box, in bounding radii "
-              "(half the box's diagonal). Default: the distance at which what the data show fills "
-              "95 % of the picture's width or height (--frame)");
+              "(half the box's diagonal). Default: the visible data fill 95 % of the picture's "
+              "width or height (--frame)");
     add_value(command, "--fov", arguments.fov_degrees, "[0.001, 179.999]",
               "Full vertical field of view, degrees");
     command.add_flag("--orthographic", arguments.orthographic,
-                     "Parallel rays in place of a pinhole: no perspective, lengths to scale");
+                     "Parallel rays instead of perspective: lengths are to scale");
     add_value(command, "--width", arguments.width, "(0, inf)",
-              "Width of an orthographic picture, world units. Default: what the data show fills 95 "
-              "% of the picture's width or height (--frame)");
+              "Width of an orthographic picture, world units. Default: the visible data fill 95 % "
+              "of the picture's width or height (--frame)");
     add_value(command, "--frame", arguments.frame, "content data",
-              "What a fitted picture holds: content, 99.9 % of what the data show, or data, their "
-              "whole box");
+              "What a fitted picture contains: 99.9 % of the visible data (content), or the whole "
+              "box of the data (data)");
     command
         .add_option("--eye", arguments.eye,
                     "Position x,y,z of the eye in world units, instead of angles")
@@ -147,10 +147,9 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
     add_up_option(command, arguments);
     add_value(command, setting("roll"), arguments.roll_degrees, "",
               "Turn the camera clockwise about its view direction, degrees");
-    command.add_option(
-        "--camera", arguments.camera_file,
-        "File of the camera: a picture that vog wrote, or JSON with eye, look_at, up and "
-        "fov_degrees or orthographic_width");
+    command.add_option("--camera", arguments.camera_file,
+                       "Camera file: a picture written by vog, or JSON with eye, look_at, up and "
+                       "fov_degrees or orthographic_width");
 }
 
 Vec3d up_of(const ViewArguments& arguments, const Subject& subject) {
