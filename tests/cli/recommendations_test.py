@@ -149,6 +149,7 @@ NOT_RUN = [
     ("films have no transparency", "needs ffmpeg"), ("a level set, expected", "tests/io/vdb writes level sets"),
     ("positions beyond 24", "tests/io/exchange"), ("standard deviations from", "tests/io/exchange"), ("positions of 24 bits", "tests/io/exchange"),
     ("usdcat", "a program of OpenUSD"), ("python -m vog.report", "tests/python/test_report.py"), ("splats, expected", "tests/io/exchange"), ("no steps in time are open", "tests/viewer"), ("vog view", "tests/viewer"),
+    ("vog evaluate needs a volume", "tests/cli/command_line_test.cpp"), ("vog evaluate writes a folder", "tests/cli/inputs_test.cpp"),
     ("is the picture of --request", "tests/cli/request_command_test.cpp"), ("expected it as '--field' in 'reading'", "tests/cli/request_command_test.cpp"),
     ("docs/viewer.md", "names a document"), ("voxels take more than", "needs a lattice of terabytes"),
     ("an incomplete site", "tests/cli/site_command_test.cpp"), ("a folder without {}; expected a site", "tests/cli/serve_refusals_test.py"),
