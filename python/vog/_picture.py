@@ -27,7 +27,7 @@ class Scale(NamedTuple):
 
 
 class Light(NamedTuple):
-"""Light of volume pictures, for the keyword light of render(): one value instead of several keywords.
+    """Light of volume pictures, for the keyword light of render(): one value instead of several keywords.
 
     towards            direction of the world towards the light, 3 numbers; None: the upper left of the view, or the eye with surfaces
     shadows            matter absorbs light on its way
