@@ -139,7 +139,8 @@ TEST_F(compare_maps, the_command_prints_them) {
               std::string::npos);
     EXPECT_NE(must("compare a.npy b.npy").out.find("missing"), std::string::npos);
     EXPECT_NE(must("compare --json a.npy b.npy").out.find("\"kind\": \"map\""), std::string::npos);
-    must_fail(1, "compare a.exr b.npy", "b.npy: is a map, expected a file of a field's maps like");
+    must_fail(1, "compare a.exr b.npy",
+              "b.npy is a map; to compare it, use a file of a field's maps like");
     must_fail(2, "compare a.exr b.exr --tf jet",
               "--tf has no effect with maps; it works with depth images");
     must_fail(2, "compare a.exr b.exr --diff d.png", "--diff has no effect with maps");

@@ -317,7 +317,7 @@ TEST(compare_command, kinds_and_sizes_must_agree) {
     write_png(dir / "b.png", Image(16, 17));
     const auto [kinds, kinds_code] = run_compare(dir, "t.exr a.png");
     EXPECT_EQ(kinds_code, 1);
-    EXPECT_EQ(kinds, "vog: a.png: is a picture, expected a depth image like t.exr\n");
+    EXPECT_EQ(kinds, "vog: a.png is a picture; to compare it, use a depth image like t.exr\n");
     const auto [sizes, sizes_code] = run_compare(dir, "a.png b.png");
     EXPECT_EQ(sizes_code, 1);
     EXPECT_EQ(sizes,
