@@ -182,8 +182,8 @@ class Ends(ServeTest):
         (page / "index.html").write_text("")
         (self.folder / "picture.png").write_text("")
         self.assertIn("absent: no such folder", self.refusal(self.folder / "absent"))
-        self.assertRegex(self.refusal(empty), "without index.html and manifest.json, expected a site, as vog page MODEL -o site/ writes it")
-        self.assertIn("without manifest.json,", self.refusal(page))
+        self.assertRegex(self.refusal(empty), "without index.html and manifest.json; expected a site .vog page MODEL -o site. writes one.")
+        self.assertIn("without manifest.json;", self.refusal(page))
         self.assertIn("expected a site", self.refusal(self.folder / "picture.png"))
         self.assertIn("site is required", self.refusal(code=2))
 

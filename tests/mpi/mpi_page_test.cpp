@@ -244,7 +244,7 @@ TEST_F(mpi_page, requests_without_sense_are_refused) {
     must_fail_mpi(2, "-n 2 COMMAND page c.vdb -o site/ --refine 1", "--refine");
     must_fail_mpi(2, "-n 2 COMMAND page c.vdb", "-o is missing: vog-mpi page c.vdb -o c/");
     must_fail_mpi(2, "-n 2 COMMAND page c.vdb -o site/ --carry heat",
-                  "no option --carry, it is --field");
+                  "no option --carry; use --field");
     must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --set levels=3", "--set levels");
     must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --scale log", "--scale");
     must_fail_mpi(2, "-n 2 COMMAND page c.ply -o site/ --name A --name B", "--name");

@@ -222,7 +222,7 @@ TEST_F(mpi_volume_inputs, what_parts_cannot_show_is_refused) {
     };
     refuse(2, "c.vdb --show volume --interpolation linear",
            "--show volume with --interpolation linear: samples begin where a ray enters");
-    refuse(2, "c.vdb --show mean --field density --interpolation linear", "expected --set step=0");
+    refuse(2, "c.vdb --show mean --field density --interpolation linear", "use --set step=0");
     refuse(2,
            "a.vdb --grid 'density_L*' --show mean --field 'd=density_L*' --interpolation linear "
            "--set step=0",
