@@ -16,6 +16,7 @@ import tempfile
 import time
 
 MOST_IMPORT_S = 0.3
+MOST_IMPORT_OF_NUMPY = 2.5  # times NumPy's own, on machines where that takes long
 MOST_FIRST_PAGE_S = 10
 LIBRARIES = ("openvdb", "tbb", "blosc", "embree", "Imath", "OpenEXR")
 
@@ -144,8 +145,9 @@ def main():
                  "render fire.ply -o fire.png --size 200", "page fire.ply -o fire.html", "doctor"):
         run(vog, *line.split(), cwd=out)
     print("wheel: {} libraries inside, each with its licence".format(len(licences(python))))
-    if whole > MOST_IMPORT_S or processor > MOST_FIRST_PAGE_S:
-        sys.exit("try_wheel: expected an import of {} s, a page after {} s of processor time".format(MOST_IMPORT_S, MOST_FIRST_PAGE_S))
+    most_import = max(MOST_IMPORT_S, MOST_IMPORT_OF_NUMPY * of_numpy)
+    if whole > most_import or processor > MOST_FIRST_PAGE_S:
+        sys.exit("try_wheel: expected an import of {:.2f} s, a page after {} s of processor time".format(most_import, MOST_FIRST_PAGE_S))
 
 
 if __name__ == "__main__":
