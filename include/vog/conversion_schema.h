@@ -17,7 +17,7 @@ namespace vog {
 /// Options of conversions of all data by all methods, as front ends get them.
 struct ConversionOptions {
     std::string method = "moments";  ///< or paper
-    MomentOptions moments;  ///< its cut, axis_aligned and measure are of particles and cells, too
+    MomentOptions moments;  ///< particles and cells use its cut, axis_aligned and measure, too
     int lod = 0;            ///< level of detail, 1 to 5; 0: none
     std::optional<double> mass_threshold{};  ///< none: the default of the data
     std::string strategy = "smart", amplitude = "mean";
@@ -45,10 +45,9 @@ struct ConversionOption {
     /// Place of its value; none: a front end reads it in its own way.
     std::variant<std::monostate, bool*, int*, std::size_t*, float*, double*, std::string*,
                  std::optional<double>*> (*value)(ConversionOptions&);
-    std::string
-        values;  ///< "[0.5, 2]", "(0, inf)", or words where there are no others, "mean mass"; empty: any
-    std::string text;  ///< meaning, unit, default
-    bool rare = true;  ///< few conversions need it
+    std::string values;  ///< as OptionValues::text
+    std::string text;    ///< meaning, unit, default
+    bool rare = true;    ///< few conversions need it
 };
 
 /// All options but the method, in the order of a help.
@@ -67,8 +66,9 @@ void check_values(const ConversionOptions& options, std::span<const std::string>
 void require_effects(const ConversionOptions& options, const std::string& conversion,
                      std::span<const std::string> stated);
 
-/// Options of a conversion of voxels or particles.
-/// throws  vog::Error for two ways to choose cells, and for an unknown level of detail
+/// Options of a conversion of voxels or particles. A level of detail takes the place of other choices of cells, which
+/// require_effects refuses beside it.
+/// throws  vog::Error for an unknown level of detail
 MomentOptions moment_options(const ConversionOptions& options);
 PaperOptions paper_options(const ConversionOptions& options);
 PointOptions point_options(const ConversionOptions& options);

@@ -370,7 +370,7 @@ TEST_F(view_command, unreadable_inputs_fail_with_one_line) {
               "empty.ply: a model without Gaussians");
     make_cloud();
     must_fail(1, "view cloud.ply cloud.vdb --headless --script play.vog",
-              "cloud.ply are of different kinds");
+              "cloud.ply are different kinds of data");
     must_fail(1, "view cloud.ply", "no display to open a window on",
               "env -u DISPLAY -u WAYLAND_DISPLAY");
     must_fail(1, "view cloud.ply --headless --script play.vog", "no headless OpenGL 3.3",

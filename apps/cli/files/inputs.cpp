@@ -89,10 +89,10 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
     const FileKind kind = kind_of(inputs.front(), grid);
     for (const std::string& input : inputs)
         if (kind_of(input, grid) != kind)
-            throw Error(
-                fmt::format("{} and {} are of different kinds; inputs must all be volumes, all "
-                            "particles or all models",
-                            input, inputs.front()));
+            throw Error(fmt::format(
+                "{} and {} are different kinds of data; inputs must all be volumes, all "
+                "particles or all models",
+                input, inputs.front()));
     return kind;
 }
 

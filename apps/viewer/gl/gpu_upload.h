@@ -12,7 +12,6 @@ namespace vog::viewer {
 
 class GpuUpload {
   public:
-    GpuUpload() = default;
     /// Of pictures that are copied even where they could be shared.
     static GpuUpload by_copies() {
         GpuUpload upload;
