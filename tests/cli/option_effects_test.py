@@ -81,7 +81,8 @@ def cases():
     for layout in ("3dgs", "volprim"):
         yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]
     for data, value in ((MODEL, "0.03"), (VOLUME, "0.2")):
-        yield "export", [data, "-o", "{out}/m.stl", "--iso", value]
+        for surface in ("m.stl", "m.ply"):
+            yield "export", [data, "-o", "{out}/" + surface, "--iso", value]
     for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head", "volume --shadows"):
         yield "page", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
     yield "page", ["{made}/many.ply", "-o", "{out}/p.html"]

@@ -105,7 +105,7 @@ ROWS = [
     ("export m.ply -o p.vogz", r"use (vog pack .*)", "{0}"),
     ("page m.ply -o p.glb", r"use (vog export .*)", "{0}"),
     ("pack m.ply -o sitef/", r"use (vog page .*)", "{0}"),
-    ("export m.ply -o p.ply", r"expected (--as 3dgs)", "+"),
+    ("export m.ply -o p.ply", r"give (--as 3dgs)", "+"),
     ("export m.ply -o p5.ply", r"use (vog convert .*)", "{0}"),
     ("export m.ply -o p.spz --as 3dgs", r"works with (-o FILE.ply --as 3dgs)", "export m.ply {0}"),
     ("page m.ply -o p.html --max-loss 1", r"only in vog (pack)", "{0} m.ply -o p.vogz --max-loss 1"),

@@ -200,7 +200,7 @@ Json write_isosurface(const ExportArguments& arguments, ModelInputs& inputs, Sta
             {"bytes", bytes}};
 }
 
-/// throws  vog::Error for OpenUSD's binary layers and for a .ply without --as
+/// throws  vog::Error for OpenUSD's binary layers and for a .ply without --as or --iso
 void check_format(const ExportArguments& arguments) {
     const std::string& output = arguments.models.output;
     const std::string extension = extension_of(output);
@@ -217,14 +217,16 @@ void check_format(const ExportArguments& arguments) {
     if (surface && !arguments.iso)
         throw UsageError(fmt::format("{}: expected --iso VALUE, the value of the surface", output));
     if (extension == ".ply" && arguments.layout.empty())
-        throw UsageError(fmt::format(
-            "{}: expected --as 3dgs, --as volprim or --as surface; to write a model, use {}",
-            output, command_line("convert", arguments.models.inputs, output)));
+        throw UsageError(
+            fmt::format("{}: give --as 3dgs, --as volprim or, for a surface, --iso VALUE; to write "
+                        "a model, use {}",
+                        output, command_line("convert", arguments.models.inputs, output)));
 }
 
 void export_files(ExportArguments arguments, const GivenOptions& command) {
     ModelArguments& models = arguments.models;
     models.inputs = expanded(models.inputs);
+    if (arguments.iso && arguments.layout.empty()) arguments.layout = "surface";
     check_format(arguments);
     check_distinct({models.output}, {arguments.words.word("tf")});
     const ThreadLimit limit(models.threads);
@@ -249,8 +251,8 @@ void add_export(CLI::App& app) {
         "Mitsuba's volumetric primitives (.ply), or surfaces of models and volumes (.stl, .obj, "
         ".ply)");
     add_model_options(*command, arguments->models,
-                      "File to write: .spz, .glb, .usda, .ply with --as; with --iso also .stl or "
-                      ".obj. Several inputs are added up");
+                      "File to write: .spz, .glb, .usda, .ply with --as; with --iso .stl, .obj or "
+                      ".ply. Several inputs are added up");
     add_value(*command, "--as", arguments->layout, "3dgs volprim surface",
               "Layout of a .ply: 3dgs (splats with opacities, for renderers of 3D Gaussian "
               "splatting), volprim (volumetric primitives, for Mitsuba) or surface (of --iso)");

@@ -227,6 +227,7 @@ std::string spelled(const std::string& fact, std::vector<std::string> values) {
                                                              {"models/", "FOLDER/"},
                                                              {"3dgs", "FILE.ply --as 3dgs"},
                                                              {"volprim", "FILE.ply --as volprim"},
+                                                             {"surface", "FILE.ply --iso VALUE"},
                                                              {"picture", "FILE.png"},
                                                              {"film", "FILE.mp4"},
                                                              {"text", "particles in text files"},
