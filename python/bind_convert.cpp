@@ -207,7 +207,10 @@ Model by_moments(const py::object& data, const Options& options, const py::objec
                  const py::object& report_dict, const py::object& fields) {
     FieldOptions field_options;
     field_options.periodic = period_of(data, options);
-    field_options.joint_field = options.joint_field;
+    const auto* image = py::isinstance<Volume>(data) ? &data.cast<const Volume&>() : nullptr;
+    if (!options.joint_field.empty() || (fields.is_none() && options.moments.spread == 1))
+        field_options.joint_field =
+            resolved_joint_field(options.joint_field, {image, image ? 1u : 0u});
     field_options.joint_steps = options.joint_steps;
     MomentOptions moments = moment_options(options);
     moments.periodic = field_options.periodic;

@@ -113,13 +113,13 @@ Model join(const Gaussians& a, const Gaussians& b) {
 
 py::tuple state_of(const py::object& self) {
     const auto& model = self.cast<const Gaussians&>();
-    return py::make_tuple(self.attr("mean"), self.attr("scale"), self.attr("density"),
-                          model.axis_aligned() ? py::none() : py::object(self.attr("rotation")),
-                          model.cutoff, box_array(model.box), model.source_voxels, model.source,
-                          model.method, model.options, model.summary, array_of(model.origin),
-                          plain_fields(self), box_array(model.content.voxels), model.content.hull,
-                          model.content.standing.up, model.content.standing.front,
-                          model.content.units.length, model.content.units.density);
+    return py::make_tuple(
+        self.attr("mean"), self.attr("scale"), self.attr("density"),
+        model.axis_aligned() ? py::none() : py::object(self.attr("rotation")), model.cutoff,
+        box_array(model.box), model.source_voxels, model.source, model.method, model.options,
+        model.summary, array_of(model.origin), plain_fields(self), box_array(model.content.voxels),
+        model.content.hull, model.content.standing.up, model.content.standing.front,
+        model.content.units.length, model.content.units.density, model.content.by_value);
 }
 Model from_state(const py::tuple& state) {
     Model model = from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(),
@@ -135,6 +135,7 @@ Model from_state(const py::tuple& state) {
                           {state[15].cast<Vec3d>(), state[16].cast<Vec3d>()}};
     if (state.size() > 17)
         model->content.units = {state[17].cast<std::string>(), state[18].cast<std::string>()};
+    if (state.size() > 19) model->content.by_value = state[19].cast<bool>();
     return model;
 }
 

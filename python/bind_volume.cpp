@@ -190,7 +190,7 @@ py::tuple volume_state(const Volume& volume) {
     return py::make_tuple(bytes_of(volume.leaves), bytes_of(volume.tiles),
                           matrix_of(volume.world_from_index), volume.name, volume.source,
                           volume.standing.up, volume.standing.front, volume.units.length,
-                          volume.units.density, volume.background);
+                          volume.units.density, volume.background, volume.is_image);
 }
 std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     auto volume = std::make_shared<Volume>();
@@ -204,6 +204,7 @@ std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     if (state.size() > 7)
         volume->units = {state[7].cast<std::string>(), state[8].cast<std::string>()};
     if (state.size() > 9) volume->background = state[9].cast<double>();
+    if (state.size() > 10) volume->is_image = state[10].cast<bool>();
     validate(*volume);
     return volume;
 }

@@ -20,6 +20,9 @@ namespace vog {
 /// (docs/volume_rendering.md).
 inline constexpr int kJointSteps = 2;
 
+/// Error by value (JointReport::value_error) of models of dense images by default, to a tenth.
+inline constexpr double kDefaultValueError = 0.1;
+
 /// Errors of a model before and after the steps of FieldOptions::joint_field.
 struct JointReport {
     /// Relative L2 of the optical depth T in the worst of the error views (MomentReport::measured_error), before and after
@@ -46,6 +49,11 @@ struct FieldOptions {
     std::optional<Box> periodic{};        ///< MomentOptions::periodic
     Progress progress{};                  ///< called with the finished fraction; empty: not
 };
+
+/// FieldOptions::joint_field of a conversion.
+/// joint_field  stated name; "none": no field; empty: `volume` of dense images (Volume::is_image), whose pictures are of their
+///              values, and of other volumes none
+std::string resolved_joint_field(const std::string& joint_field, std::span<const Volume> volumes);
 
 /// A field before it is read.
 struct FieldName {
@@ -84,7 +92,8 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
 /// (JointReport::value_error) take the place of those of T: moments.error is met by the fewest Gaussians, to 5 %, or,
 /// where no count meets it, the count of least error is taken; moments.refine_seconds splits Gaussians where pictures by
 /// value err and merges as many elsewhere, as long as their error falls. The default without error, budget and block is
-/// that of convert_moments, by T.
+/// that of convert_moments, by T; for the own values of a dense image (Volume::is_image) an error by value of about
+/// kDefaultValueError, but at least kSmallCount and at most default_count Gaussians.
 /// fields   as for add_fields, at the voxels of the volume or of the parts of the mesh
 /// options  joint_field with an error or refinement: a scalar field that is not constant
 /// throws   vog::Error as convert_moments and add_fields do, and for those fields
@@ -98,5 +107,7 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
                                           std::span<const std::vector<VoxelField>> fields,
                                           const MomentOptions& moments, const FieldOptions& options,
                                           MomentReport* report = nullptr);
+/// Converts a volume by its defaults: convert_moments, or with moments.own_field convert_for_field of its resolved_joint_field.
+[[nodiscard]] Gaussians convert_by_default(const Volume& volume, MomentOptions moments);
 
 }  // namespace vog

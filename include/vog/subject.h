@@ -39,6 +39,8 @@ struct Content {
     std::vector<Vec3d> hull;
     Standing standing{};
     Units units{};
+    /// Whether a model is fitted to pictures of its own values: slices then show their mean.
+    bool by_value = false;
 
     /// Content of both; its hull is unknown where one is, its units where they differ. How the first stands counts.
     void include(const Content& other);

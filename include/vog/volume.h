@@ -70,6 +70,8 @@ struct Volume {
     Units units{};            ///< as the file states them
     /// Value of empty space in the file, as air in a scan: densities are the file's values minus this.
     double background = 0;
+    /// Whether it is a dense image of a scan (vog/scan_io.h): models follow its values by default (resolved_joint_field).
+    bool is_image = false;
 
     /// Whether there is neither a leaf nor a tile.
     bool empty() const { return leaves.empty() && tiles.empty(); }

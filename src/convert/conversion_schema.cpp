@@ -68,9 +68,10 @@ std::vector<ConversionOption> moment_entries() {
          "Measure the error also with `budget`, `block` and `lod`"},
         {"joint_field", "moments", VOG_OPTION(joint_field), "",
          "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
-         "joint space of position and value: volume (the volume's own values) or the name of a "
-         "field that they carry. T is less exact; by how much is reported. `error` and "
-         "`refine_seconds` then judge volume pictures",
+         "joint space of position and value: volume (the volume's own values), the name of a field "
+         "that they carry, or none. T is less exact; by how much is reported. `error` and "
+         "`refine_seconds` then judge volume pictures. Default: volume of dense images, with an "
+         "error by value of about 0.1; else none",
          false},
         {"joint_steps", "moments", VOG_OPTION(joint_steps), "[1, 1000]",
          "Steps of `joint_field`; more serve narrow bands of values, and cost T"},

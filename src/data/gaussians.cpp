@@ -143,6 +143,7 @@ Mat3 whitening(const Gaussians& gaussians, std::size_t i) {
 void Content::include(const Content& other) {
     if (!standing.known()) standing = other.standing;
     if (units != other.units) units = {};
+    by_value &= other.by_value;
     voxels.include(other.voxels);
     if (hull.empty() || other.hull.empty())
         hull.clear();

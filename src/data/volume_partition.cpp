@@ -72,7 +72,7 @@ Volume nodes_where(const Volume& volume, const NodeChoice& selected) {
     some.name = volume.name;
     some.source = volume.source;
     some.units = volume.units;
-    some.background = volume.background;
+    some.background = volume.background, some.is_image = volume.is_image;
     for (const Leaf& leaf : volume.leaves)
         if (selected(leaf.origin, kLeafEdge)) some.leaves.push_back(leaf);
     for (const Tile& tile : volume.tiles)
@@ -91,7 +91,7 @@ Volume part_of(const Volume& volume, const VolumePart& part) {
     some.name = volume.name;
     some.source = volume.source;
     some.units = volume.units;
-    some.background = volume.background;
+    some.background = volume.background, some.is_image = volume.is_image;
     for (const std::uint32_t n : nodes_of(nodes, part)) {
         if (n < volume.leaves.size())
             some.leaves.push_back(volume.leaves[n]);

@@ -56,6 +56,7 @@ inline void put_description(nlohmann::ordered_json& json, const Gaussians& model
     }
     if (const Units& units = model.content.units; units != Units{})
         json["units"] = {{"length", units.length}, {"density", units.density}};
+    if (model.content.by_value) json["by_value"] = true;
     for (const Vec3d& point : model.content.hull) json["hull"].push_back(vector_json(point));
 }
 /// Sets cutoff, origin, texts, box and content.
@@ -72,6 +73,7 @@ inline void take_description(const nlohmann::ordered_json& json, Gaussians& mode
     if (json.contains("front")) model.content.standing.front = vector_of(json["front"]);
     if (json.contains("units"))
         model.content.units = {json["units"].at("length"), json["units"].at("density")};
+    model.content.by_value = json.value("by_value", false);
     if (json.contains("hull"))
         for (const auto& point : json["hull"]) model.content.hull.push_back(vector_of(point));
 }

@@ -102,12 +102,13 @@ void note_missed_by_value(const std::string& input, double measured, double targ
 }
 
 /// Note where the default stopped before its error.
-void note_stopped(const std::string& input, double measured) {
+/// measured  "measured error 0.034"
+void note_stopped(const std::string& input, const std::string& measured, double target) {
     note(fmt::format(
-        "{}: measured error {:.4g} in the worst view: the default stops at one Gaussian "
+        "{}: {} in the worst view: the default stops at one Gaussian "
         "to {} voxels (at {} of small data) or at an error of {}, whichever is fewer; --error and "
         "--budget go on",
-        input, measured, kVoxelsPerGaussian, count_text(kSmallCount), kDefaultError));
+        input, measured, kVoxelsPerGaussian, count_text(kSmallCount), target));
 }
 
 nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
@@ -244,6 +245,9 @@ nlohmann::ordered_json convert_one(ConvertArguments arguments, const GivenOption
         box.include(world_box(volume));
     }
     moments.origin = paper.origin = model_origin(set.is_mesh() ? mesh.box : box);
+    const bool fits = by_moments && !arguments.no_fields && !arguments.volume.ones;
+    if (!arguments.joint_field.empty() || (fits && arguments.moments.spread == 1))
+        arguments.joint_field = resolved_joint_field(arguments.joint_field, volumes);
     // Alone, the volumes' own values are summed with the cells.
     const bool own_alone = by_moments && !arguments.no_fields && arguments.fields.empty() &&
                            arguments.joint_field.empty() && !arguments.volume.ones;
@@ -259,7 +263,9 @@ nlohmann::ordered_json convert_one(ConvertArguments arguments, const GivenOption
         totals.add(one, part_mass);
         if (!one.view_note.empty())
             view_notes.push_back(fmt::format("{}: {}", part.source, one.view_note));
-        if (one.stopped_by_count) note_stopped(part.source, one.measured_error);
+        if (one.stopped_by_count && one.measured_error >= 0)
+            note_stopped(part.source, fmt::format("measured error {:.4g}", one.measured_error),
+                         kDefaultError);
         if (joint_field.empty() && moments.error > 0 && one.measured_error > moments.error &&
             !one.as_near_as_interpolation() && !moments.block_voxels && !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
@@ -278,6 +284,10 @@ nlohmann::ordered_json convert_one(ConvertArguments arguments, const GivenOption
             one, part_mass);
         if (moments.error > 0 && of_one.value_error > moments.error)
             note_missed_by_value(parts.back().source, of_one.value_error, moments.error);
+        else if (one.stopped_by_count && of_one.value_error >= 0)
+            note_stopped(parts.back().source,
+                         fmt::format("error by value {:.4g}", of_one.value_error),
+                         kDefaultValueError);
         add_joint(joint, of_one);
     };
     stages.run("convert", [&] {

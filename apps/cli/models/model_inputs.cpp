@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "conversion/volume_fields.h"
-#include "vog/convert_moments.h"
+#include "vog/convert_fields.h"
 #include "vog/error.h"
 #include "vog/site.h"
 #include "vog/text.h"
@@ -42,14 +42,14 @@ std::vector<Gaussians> ModelInputs::convert_volumes(std::size_t most,
     if (!arguments_.no_fields) options.own_field = own_name(set.volumes);
     if (several) {
         Gaussians sum;
-        for (const Volume& volume : set.volumes) append(sum, convert_moments(volume, options));
+        for (const Volume& volume : set.volumes) append(sum, convert_by_default(volume, options));
         return detail_levels(std::move(sum), most);
     }
     options.progress = stages_.progress();
     const auto convert = [&](std::size_t budget) {
         options.budget = budget;
         return set.is_mesh() ? convert_moments(mesh, options)
-                             : convert_moments(set.volumes.front(), options);
+                             : convert_by_default(set.volumes.front(), options);
     };
     std::vector<Gaussians> models{convert(arguments_.budget)};
     for (const std::size_t budget : detail_budgets(models.front().size(), most))

@@ -263,7 +263,7 @@ Gaussians SceneLoader::converted(const Composite& data, const VoxelData& voxels,
     if (own_alone) options.own_field = fields.front().front().name;
     if (fields.empty() || own_alone)
         return is_mesh ? convert_moments(data, options)
-                       : convert_moments(data.parts[part], options);
+                       : convert_by_default(data.parts[part], options);
     if (is_mesh) return convert_for_field(data, fields, options, {});
     std::vector<std::vector<VoxelField>> here;
     for (const std::vector<VoxelField>& field : fields) here.push_back({field[part]});

@@ -60,6 +60,8 @@ void add_fitted(Gaussians& model, std::span<const Volume> levels,
     FieldEntries entries(fields, layout, model.size());
     add_by_joint_steps(model, levels, fields, layout, steps, options.progress, entries);
     std::move(entries).move_to(model);
+    const ScalarField* fitted = model.fields.find_scalar(fields[steps.field].front().name);
+    model.content.by_value = fitted && fitted->is_measure;
     report.removed = remove_empty(model);
     if (!views) return;
     report.error_after = views->relative_l2(model).worst;

@@ -13,6 +13,7 @@
 #include "compare/error_views.h"
 #include "compare/values/value_views.h"
 #include "convert/fields/joint/value_rounds.h"
+#include "convert/moments/error_search.h"
 #include "convert/moments/moment_job.h"
 #include "vog/convert_fields.h"
 #include "vog/distributed.h"
@@ -34,8 +35,16 @@ struct ForField {
     const FieldOptions& options;
 
     bool has_error() const { return moments.error > 0 && !moments.budget && !moments.block_voxels; }
+    /// Whether the error by value chooses the number of Gaussians though none is stated.
+    bool is_default_image() const {
+        const VoxelField& field = data.fields[data.field].front();
+        return data.levels.front().is_image && field_names(data.fields)[data.field].own &&
+               field.lower < field.upper && !moments.error && !moments.budget &&
+               !moments.block_voxels;
+    }
     bool is_judged() const {
-        return !options.joint_field.empty() && (has_error() || moments.refine_seconds > 0);
+        return !options.joint_field.empty() &&
+               (has_error() || moments.refine_seconds > 0 || is_default_image());
     }
 };
 
@@ -90,6 +99,34 @@ Fitted search(const ForField& job, MomentOptions moments, const comparison::Erro
     return best;
 }
 
+/// The model of the default of dense images, in few tries: the nearest to its error.
+Fitted usual(const ForField& job, MomentOptions moments, const comparison::ErrorViews& depths,
+             const comparison::ValueViews& values) {
+    constexpr int kTries = 4;
+    constexpr double kFirst = 0.1, kNear = 1.1;  // share of the most; ratio to the error
+    if (moments.soft_steps < 0) moments.soft_steps = kSearchSoftSteps;
+    const Progress progress = std::exchange(moments.progress, {});
+    const std::size_t voxels = vog::moments::sample_count(job.data.levels);
+    const double most = double(default_count(voxels)),
+                 least = double(std::min(voxels, kSmallCount));
+    double count = std::clamp(kFirst * most, least, most), nearest = HUGE_VAL;
+    Fitted best;
+    for (int n = 0; n < kTries; ++n) {
+        moments.budget = static_cast<std::size_t>(count);
+        Fitted made = fitted(job, moments, depths);
+        const double ratio = values.relative_l2(made.model).worst / kDefaultValueError;
+        const double next =
+            std::clamp(count * std::pow(ratio, 1 / -vog::moments::kErrorPower), least, most);
+        made.report.stopped_by_count = ratio > kNear && count >= most && most < double(voxels);
+        if (const double far = std::max(ratio, 1 / ratio); far < nearest)
+            nearest = far, best = std::move(made);
+        if (progress) progress((n + 1.0) / kTries);
+        if (nearest <= kNear || next == count) break;
+        count = next;
+    }
+    return best;
+}
+
 /// The model, by the error of pictures by value.
 Fitted judged(const ForField& job) {
     using Clock = std::chrono::steady_clock;
@@ -105,8 +142,9 @@ Fitted judged(const ForField& job) {
     MomentOptions moments = job.moments;
     moments.progress = progress_part(whole, 0, converted);
     const double seconds = std::exchange(moments.refine_seconds, 0);
-    Fitted made =
-        job.has_error() ? search(job, moments, depths, values) : fitted(job, moments, depths);
+    Fitted made = job.has_error()          ? search(job, moments, depths, values)
+                  : job.is_default_image() ? usual(job, moments, depths, values)
+                                           : fitted(job, moments, depths);
     if (seconds > 0) {
         const auto start = Clock::now();
         const Progress progress = progress_part(whole, converted, 1);
@@ -169,6 +207,20 @@ Gaussians convert_for_field(const Volume& volume, std::span<const std::vector<Vo
     };
     const FittedData data = fitted_data({&volume, 1}, fields, options);
     return run({convert, world_box(volume), data, carrying(moments, data), options}, report);
+}
+
+std::string resolved_joint_field(const std::string& joint_field, std::span<const Volume> volumes) {
+    if (!joint_field.empty()) return joint_field == "none" ? "" : joint_field;
+    const bool images = !volumes.empty() && std::ranges::all_of(volumes, &Volume::is_image);
+    return images ? "volume" : "";
+}
+
+Gaussians convert_by_default(const Volume& volume, MomentOptions moments) {
+    const std::string joint_field = resolved_joint_field({}, {&volume, 1});
+    if (joint_field.empty() || moments.own_field.empty()) return convert_moments(volume, moments);
+    const std::vector<VoxelField> own{measure_field(volume, moments.own_field)};
+    moments.own_field.clear();
+    return convert_for_field(volume, {&own, 1}, moments, {.joint_field = joint_field});
 }
 
 Gaussians convert_for_field(const Composite& mesh, std::span<const std::vector<VoxelField>> fields,

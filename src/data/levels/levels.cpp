@@ -41,7 +41,7 @@ class LevelCut {
             volume->name = level_.name;
             volume->source = level_.source;
             volume->units = level_.units;
-            volume->background = level_.background;
+            volume->background = level_.background, volume->is_image = level_.is_image;
         }
         // Piece j of n along an edge has the level's index (j + 1/2)/n - 1/2.
         Affine& map = part.pieces.world_from_index;

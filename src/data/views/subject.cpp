@@ -149,7 +149,8 @@ Subject subject_of(const Gaussians& model, const Collective* collective) {
     Content content{joined_box(model.content.voxels, all),
                     {},
                     of_any(model.content.standing, all),
-                    of_any(model.content.units, all)};
+                    of_any(model.content.units, all),
+                    model.content.by_value};
     if (unknown == 0) {
         content.hull = joined(model.content.hull, all);
     } else if (has_extent(box)) {

@@ -326,6 +326,7 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
         }
     comment(header, "length_unit", model.content.units.length);
     comment(header, "density_unit", model.content.units.density);
+    model.content.by_value = comment(header, "by_value", value);
     if (comment(header, "source_voxels", value))
         model.source_voxels = count(file, "source_voxels", value);
     if (comment(header, "source", value)) model.source = value;
@@ -374,6 +375,7 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     for (const auto& [name, unit] : {std::pair{"length_unit", model.content.units.length},
                                      {"density_unit", model.content.units.density}})
         if (!unit.empty()) text += fmt::format("comment {} {}\n", name, one_line(unit));
+    if (model.content.by_value) text += "comment by_value 1\n";
     if (!model.content.hull.empty()) {
         text += "comment hull";
         for (const Vec3d& p : model.content.hull) text += fmt::format(" {} {} {}", p.x, p.y, p.z);

@@ -205,6 +205,7 @@ Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, V
                                     options.mask ? ", expected a mask" : ", expected density"));
         volume.name = grid.name;
         volume.background = background;
+        volume.is_image = !options.ones;
         volume.source = printable(file.string());
         if (notes) *notes = found;
         if (departure) *departure = note_of(file, scan);

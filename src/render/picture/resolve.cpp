@@ -296,6 +296,11 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
         throw RequestError("range", fmt::format(" {},{}: expected values above 0 with `scale` log",
                                                 range->first, range->second));
     request.options.trace.extinction = request.extinction.value_or(1);
+    // Models that are fitted to values have ripples in their density.
+    if (request.show == Show::slice && request.field.empty() && request.layers.empty() &&
+        !scene.has_voxels() && scene.subject.content.by_value)
+        if (const ScalarField* own = scalar_to_show(scene.model().model->fields))
+            request.field = own->name;
     if (request.show == Show::slice && request.plane)
         request.plane = resolved_plane(*request.plane, request.thickness, scene.subject);
     if (!request.camera && request.show == Show::slice && request.plane)

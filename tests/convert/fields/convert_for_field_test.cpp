@@ -68,6 +68,33 @@ TEST(convert_for_field, an_error_by_value_is_met_by_the_fewest) {
     EXPECT_LT(again.joint.error_after, 0.5 * again.joint.value_error);
 }
 
+TEST(convert_for_field, dense_images_follow_their_values_by_default) {
+    Volume volume = two_balls();
+    EXPECT_EQ(resolved_joint_field("", {&volume, 1}), "");
+    MomentOptions moments;
+    moments.own_field = "density";
+    EXPECT_FALSE(convert_by_default(volume, moments).content.by_value);
+    volume.is_image = true;
+    EXPECT_EQ(resolved_joint_field("", {&volume, 1}), "volume");
+    EXPECT_EQ(resolved_joint_field("none", {&volume, 1}), "");
+    EXPECT_EQ(resolved_joint_field("heat", {&volume, 1}), "heat");
+    const Gaussians model = convert_by_default(volume, moments);
+    EXPECT_TRUE(model.content.by_value);
+    EXPECT_EQ(model.fields.names(), std::vector<std::string>{"density"});
+    // Small data: Gaussians cost nothing.
+    const Made same = made(volume, {});
+    EXPECT_EQ(same.model.size(), model.size());
+    EXPECT_GT(model.size(), kSmallCount / 4);
+    MomentOptions fewer;
+    fewer.budget = model.size() / 16, fewer.refine_seconds = 1e-9;  // measured, and no round
+    EXPECT_LT(same.joint.value_error, 0.8 * made(volume, fewer).joint.value_error);
+    // A stated number of Gaussians is not searched.
+    moments.budget = 50;
+    const Gaussians few = convert_by_default(volume, moments);
+    EXPECT_LE(few.size(), 50u);
+    EXPECT_TRUE(few.content.by_value);
+}
+
 TEST(convert_for_field, an_error_that_no_count_meets_gives_the_least) {
     const Volume volume = two_balls();
     MomentOptions moments;

@@ -277,6 +277,17 @@ TEST(slices, have_the_files_values_where_densities_are_above_a_background) {
     field.deviation.resize(model.size()), field.skewness.resize(model.size());
     const Picture of_model = render(scene_of(Gaussians(model)), slice_of("x", 0));
     EXPECT_EQ(with_unit(of_model.made.name, of_model.made.unit), "ct [HU]");
+    // Models fitted to values show their mean.
+    Gaussians fitted = model;
+    fitted.content.by_value = true;
+    PictureRequest mean = slice_of("x", 0);
+    mean.field = "ct";
+    const Picture stated = render(scene_of(Gaussians(model)), mean);
+    const Picture chosen = render(scene_of(std::move(fitted)), slice_of("x", 0));
+    EXPECT_EQ(chosen.made.request.field, "ct");
+    ASSERT_EQ(chosen.values().size(), stated.values().size());
+    for (std::size_t n = 0; n < chosen.values().size(); ++n)
+        EXPECT_TRUE(chosen.values()[n] == stated.values()[n] || std::isnan(chosen.values()[n]));
     field.background = 0;
     const Picture above = render(scene_of(Gaussians(model)), slice_of("x", 0));
     for (std::size_t n = 0; n < above.values().size(); ++n)
