@@ -137,6 +137,8 @@ void fill(const py::object& caller_dict, const MomentReport& report, double targ
     dict["interpolation_error"] = measured(report.interpolation_error);
     dict["mean_interpolation_error"] = measured(report.mean_interpolation_error);
     dict["as_near_as_interpolation"] = report.as_near_as_interpolation();
+    dict["field_errors"] =
+        std::map<std::string, double>(report.field_errors.begin(), report.field_errors.end());
     dict["view_note"] = report.view_note;
     dict["stopped_by_count"] = report.stopped_by_count;
     py::dict ms;
@@ -420,7 +422,8 @@ progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), interpolation_error and
           mean_interpolation_error (those of the voxels interpolated, in place of a model),
-          as_near_as_interpolation, view_note (mass that the views leave out, in words),
+          as_near_as_interpolation, field_errors (of other fields than the data's values: relative L2 of their
+          means in the worst view), view_note (mass that the views leave out, in words),
           stopped_by_count, stage_ms
 
 Raises vog.Error for an option out of range or without effect, and for data without mass. The result is the

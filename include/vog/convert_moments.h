@@ -115,6 +115,9 @@ struct MomentReport {
     /// their centres; in a search for MomentOptions::error of one volume also by one Gaussian a voxel, whose errors
     /// with an eighth more count where they are larger. -1: not measured.
     double interpolation_error = -1, mean_interpolation_error = -1;
+    /// Fields of the model beside the volume's own values, where errors are measured: name and relative L2 of its means
+    /// (FieldDifference::mean_l2) in the worst of the same views.
+    std::vector<std::pair<std::string, double>> field_errors{};
     /// Mass that the error views leave out, in words; empty: none, or not measured.
     std::string view_note;
     /// Whether the default stopped at one Gaussian to kVoxelsPerGaussian voxels, above its error.

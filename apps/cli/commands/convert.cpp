@@ -509,6 +509,8 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                 json["as_near_as_interpolation"] = figures.as_near_as_interpolation();
             }
             json["stopped_by_count"] = figures.stopped_by_count;
+            for (const auto& [name, error] : figures.field_errors)
+                json["field_errors"][name] = error;
         }
         for (const auto& [name, ms] : figures.stage_ms) json["convert_ms"][name] = ms;
     }

@@ -48,6 +48,7 @@ std::optional<Box> period_of(const ConvertArguments& arguments, std::span<const 
 
 /// Totals over the moment conversions of several volumes.
 struct MomentTotals {
+    using Numbers = std::vector<std::pair<std::string, double>>;
     /// Masses, density times world volume, in place of mass_ratio and dropped_mass_share; the largest errors.
     MomentReport sums;
 
@@ -61,14 +62,16 @@ struct MomentTotals {
               &MomentReport::interpolation_error, &MomentReport::mean_interpolation_error})
             sums.*error = std::max(sums.*error, one.*error);
         sums.stopped_by_count |= one.stopped_by_count;
-        for (const auto& [name, ms] : one.stage_ms) {
-            const auto known = std::ranges::find(sums.stage_ms, name,
-                                                 [](const auto& stage) { return stage.first; });
-            if (known == sums.stage_ms.end())
-                sums.stage_ms.emplace_back(name, ms);
-            else
-                known->second += ms;
+        for (const auto& [name, error] : one.field_errors) {
+            double& largest = number_of(sums.field_errors, name);
+            largest = std::max(largest, error);
         }
+        for (const auto& [name, ms] : one.stage_ms) number_of(sums.stage_ms, name) += ms;
+    }
+    /// Number of a name, 0 where it is new.
+    static double& number_of(Numbers& all, const std::string& name) {
+        const auto known = std::ranges::find(all, name, &Numbers::value_type::first);
+        return known == all.end() ? all.emplace_back(name, 0.0).second : known->second;
     }
     /// The totals as the report of one conversion.
     MomentReport report(double data_mass) const {

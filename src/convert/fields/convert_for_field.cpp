@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "compare/error_views.h"
+#include "compare/values/field_error.h"
 #include "compare/values/value_views.h"
 #include "convert/fields/joint/value_rounds.h"
 #include "convert/moments/error_search.h"
@@ -163,6 +164,18 @@ Fitted judged(const ForField& job) {
     return made;
 }
 
+/// Errors of the fields beside T's. Images of a periodic box are added later.
+void add_field_errors(const ForField& job, const Gaussians& model, MomentReport& report) {
+    if (job.options.periodic) return;
+    const std::vector<FieldName> names = field_names(job.data.fields);
+    const std::vector<Camera> views = error_views(job.data.levels, job.box);
+    for (std::size_t f = 0; f < names.size(); ++f)
+        if (!names[f].own)
+            report.field_errors.emplace_back(
+                names[f].name,
+                comparison::field_error(job.data.levels, job.data.fields[f], model, views));
+}
+
 Gaussians run(const ForField& job, MomentReport* report) {
     MomentReport unwanted;
     MomentReport& of_cells = report ? *report : unwanted;
@@ -180,6 +193,7 @@ Gaussians run(const ForField& job, MomentReport* report) {
     if (options.joint_field.empty()) options.cells = of_cells.cells;
     options.progress = progress_part(job.moments.progress, kConverted, 1);
     add_fields(model, job.data.levels, job.data.fields, options);
+    if (of_cells.measured_error >= 0) add_field_errors(job, model, of_cells);
     return model;
 }
 

@@ -6,6 +6,7 @@
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog {
 
@@ -43,6 +44,10 @@ std::string detail_text(const MomentReport& report) {
             "{} ({:.4g}, {:.4g} on average)",
             report.as_near_as_interpolation() ? "as near as interpolation is" : "interpolation has",
             report.interpolation_error, report.mean_interpolation_error));
+    std::string fields;
+    for (const auto& [name, error] : report.field_errors)
+        fields += fmt::format("{}{} {:.4g}", fields.empty() ? "" : ", ", printable(name), error);
+    if (!fields.empty()) add(fmt::format("means along rays in the worst view: {}", fields));
     if (report.stopped_by_count)
         add(fmt::format("stopped at one Gaussian to {} voxels, or {}", kVoxelsPerGaussian,
                         kSmallCount));

@@ -108,6 +108,31 @@ TEST(carried_fields, a_mean_errs_at_most_twice_as_much_as_the_column) {
     EXPECT_LE(follows.column, 1.03 * blind.column);
 }
 
+TEST(carried_fields, errors_of_means_are_reported_beside_those_of_t) {
+    const Composite mesh = smooth_mesh();
+    Fields fields{at_parts(mesh, "temperature", front),
+                  at_parts(mesh, "cold", [](Vec3d) { return 7.0; }),
+                  {}};
+    for (const Volume& part : mesh.parts) fields[2].push_back(measure_field(part, "density"));
+    MomentOptions options;
+    options.budget = static_cast<std::size_t>(mesh.voxels / 16);
+    MomentReport report;
+    (void)convert_for_field(mesh, fields, options, {}, &report);
+    EXPECT_TRUE(report.field_errors.empty());
+    options.measure = true;
+    const Gaussians model = convert_for_field(mesh, fields, options, {}, &report);
+    ASSERT_EQ(report.field_errors.size(), 2u);
+    const auto [name, error] = report.field_errors.front();
+    EXPECT_EQ(name, "temperature");
+    // Other views have the same field, not the same pixels.
+    const double along_axes = map_errors(model, mesh, fields[0]).mean;
+    EXPECT_GT(error, 0.8 * along_axes);
+    EXPECT_LT(error, 1.5 * along_axes);
+    EXPECT_LT(report.field_errors.back().second, 0.01);  // pixels at the rim
+    EXPECT_NE(detail_text(report).find("means along rays in the worst view: temperature 0."),
+              std::string::npos);
+}
+
 TEST(carried_fields, vectors_count_by_all_components) {
     const Composite mesh = smooth_mesh();
     const auto zero = [](Vec3d) { return 0.0; };
