@@ -29,9 +29,9 @@ std::vector<ConversionOption> moment_entries() {
              "Find the smallest model with at most this error: relative L2 of optical depth T "
              "against the voxels, in the worst of {} views. The search ends where voxels "
              "interpolated linearly have the same error. Default for volumes: {}, but at most one "
-             "Gaussian to {} voxels ({} of small data). With `joint_field`: of volume pictures "
-             "under three transfer functions. Particles become one Gaussian each unless `error`, "
-             "`budget`, `block` or `lod` is given",
+             "Gaussian to {} voxels ({} of small data). With `joint_field` the error is that of "
+             "volume pictures under three transfer functions. Particles become one Gaussian each "
+             "unless `error`, `budget`, `block` or `lod` is given",
              error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian, kSmallCount),
          false},
         {"budget", "moments particles cells models", VOG_OPTION(moments.budget), "[1, inf)",
@@ -60,21 +60,21 @@ std::vector<ConversionOption> moment_entries() {
          "Factor on every standard deviation, at constant mass"},
         {"mass_threshold", "moments particles", VOG_OPTION(mass_threshold), "[0, 1)",
          fmt::format("Drop the cells of least mass, up to this fraction of the total mass. "
-                     "Default: {:.4f} of volumes, {} of particles",
+                     "Default: {:.4f} for volumes, {} for particles",
                      MomentOptions{}.mass_threshold, PointOptions{}.mass_threshold)},
         {"axis_aligned", "moments particles", VOG_OPTION(moments.axis_aligned), "",
-         "Gaussians without rotation, of 28 bytes each in the file in place of 44"},
+         "Gaussians without rotation: 28 bytes each in the file, not 44"},
         {"measure", "moments particles cells", VOG_OPTION(moments.measure), "",
-         "Measure the error also with `budget`, `block` and `lod`"},
+         "Measure the errors of T and of fields with `budget`, `block` and `lod`, too"},
         {"joint_field", "moments", VOG_OPTION(joint_field), "",
          "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
          "joint space of position and value: volume (the volume's own values), the name of a field "
-         "that they carry, or none. T is less exact; by how much is reported. `error` and "
-         "`refine_seconds` then judge volume pictures. Default: volume of dense images, with an "
-         "error by value of about 0.1; else none",
+         "that they carry, or none. T is then less exact; the report says by how much. "
+         "`error` and `refine_seconds` then judge volume pictures. Default: volume of dense "
+         "images, with an error by value of about 0.1; else none",
          false},
         {"joint_steps", "moments", VOG_OPTION(joint_steps), "[1, 1000]",
-         "Steps of `joint_field`; more serve narrow bands of values, and cost T"},
+         "Steps of `joint_field`; more make narrow bands of values better and T worse"},
     };
 }
 
@@ -112,7 +112,7 @@ std::vector<ConversionOption> particle_entries() {
     return {
         {"value", "particles paper-particles", VOG_OPTION(particles.value), "",
          "Mass of a particle's Gaussian: count (1 each), speed, or an attribute of the file by "
-         "name. Default: count, by `method` paper speed",
+         "name. Default: count; with `method` paper: speed",
          false},
         {"radius", "particles paper-particles", VOG_OPTION(particles.radius), "(0, inf)",
          "Standard deviation of a particle's Gaussian, world units. Default: by `smoothing`, else "
