@@ -40,7 +40,7 @@ VALUES = {
     "--set resolution": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--set mass-threshold": "0.2", "--set strategy": "single",
-    "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
+    "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume|none",
     "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",
     "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--set host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
     "--title": "T", "--set hits-per-slab": "1", "--set precision": "0.2", "--set asymmetry": "0.5", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",

@@ -122,7 +122,7 @@ ROWS = [
     ("convert c.nrrd -o m3.ply --method paper --set tree-depth=2", r"works with (--set strategy=tree)", "+"),
     ("convert c.nrrd -o m3.ply --set measure-error=1", r"needs (--block)", "+ 4"),
     ("convert c.nrrd -o m3.ply --set scratch=.", r"needs (--memory)", "+ 1G"),
-    ("convert fine.nrrd -o m3.ply --error 0.000001", r"(--error \S+) needs", "+"),
+    ("convert fine.nrrd -o m3.ply --for none --error 0.000001", r"(--error \S+) needs", "+"),
     ("convert same.csv -o m3.ply", r"\((--radius X)\)", "+"),
     ("convert c.nrrd -o models/", r"\((--again) converts", "+"),
     # Files of other programs, and words.
