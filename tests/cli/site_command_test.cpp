@@ -48,6 +48,41 @@ TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
     must("render site -o turn/ --turntable 2 --size 16");
 }
 
+TEST_F(site_command, layers_of_sites_are_read_for_the_view) {
+    must("sample cloud c.vdb --size 128");
+    must("sample fire f.vdb --size 64");
+    must("convert c.vdb -o c.ply --block 2 --set soft-steps=0");
+    must("convert f.vdb -o f.ply --budget 300");
+    must("page c.ply -o c/");
+    must("page f.ply -o f/");
+    const std::string cloud = ",tf=viridis,unit-distance=0.05,range=0,2",
+                      fire = ",tf=hot,unit-distance=0.1,range=0,2";
+    const auto draw = [&](const std::string& input, const std::string& layers,
+                          const std::string& output) {
+        return Json::parse(must("render " + input + " --show volume " + layers + " -o " + output +
+                                " --json --size 96")
+                               .out);
+    };
+    const Json whole = draw("c.ply", "--layer c.ply" + cloud + " --layer f.ply" + fire, "a.png");
+    EXPECT_FALSE(whole.contains("site"));
+    const std::pair<std::string, std::string> sites[] = {
+        {"c", "f.ply"}, {"c", "f"}, {"f.ply", "c"}, {"c.ply", "f"}};
+    for (const auto& [first, second] : sites) {
+        const auto layer = [&](const std::string& input) {
+            return " --layer " + input + (input[0] == 'c' ? cloud : fire);
+        };
+        const Json made = draw(first, layer(first) + layer(second), "b.png");
+        EXPECT_GT(made["site"]["chunks"], 0) << first << " " << second;
+        EXPECT_LE(made["gaussians"], whole["gaussians"]);
+        const Json difference = Json::parse(must("compare a.png b.png --json").out);
+        EXPECT_GT(difference["psnr_rgb_db"].get<double>(), 38) << first << " " << second;
+    }
+    const Json far = Json::parse(must("render f.ply --show volume --layer c" + cloud +
+                                      " -o far.png --size 32 --distance 5 --json")
+                                     .out);
+    EXPECT_LT(far["gaussians"].get<int>(), whole["gaussians"].get<int>() / 2);
+}
+
 TEST_F(site_command, an_export_again_keeps_what_is_there) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --block 2");

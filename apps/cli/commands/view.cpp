@@ -136,7 +136,7 @@ void take_layers(viewer::ViewerOptions& options, const WindowArguments& argument
                  PictureRequest request) {
     if (arguments.steps) throw UsageError("--layer does not work with time steps");
     vog::require_effects(request);
-    DrawingArguments drawing{arguments.inputs, {}, arguments.volume, arguments.points, {}};
+    DrawingArguments drawing{arguments.inputs, {}, arguments.volume, arguments.points};
     place_layers(drawing, request);
     options.layers.scene = std::make_shared<const Scene>(load_layers(drawing, request, {}).scene);
     options.layers.layers = request.layers;

@@ -1,7 +1,6 @@
 // drawing_options.h: inputs of vog render, and the renderer that draws them.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +14,6 @@ struct DrawingArguments {
     std::vector<std::string> layer_inputs{};  ///< by Layer::input, `inputs` first; empty: no layers
     VolumeInputOptions volume;
     PointInputOptions points;
-    std::optional<SiteView>
-        site_view;  ///< of inputs that are sites alone; none: they are read whole
 };
 
 /// Renderer of a request, or the default one of the inputs' kind.

@@ -107,7 +107,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
     picture.cut = report.cut;
     picture.traced = report.traced;
     picture.gpu_ms = report.gpu_ms;
-    if (arguments.drawing.site_view) picture.site = *arguments.drawing.site_view->report;
+    picture.site = inputs.site;
     picture.stage_ms = stages.times();
     picture.peak_memory = peak_memory();
     picture.notes = inputs.notes;
@@ -267,23 +267,20 @@ void print(const RenderedPicture& picture, bool repeated) {
 
 namespace {
 
-/// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
-RenderArguments of_view(RenderArguments arguments, const GivenOptions& command,
-                        const RenderRanks& ranks) {
-    if (!all_sites(arguments.drawing.inputs) || arguments.turntable || ranks.divided() ||
-        arguments.request.show == Show::slice)
-        return arguments;
-    Subject subject;
-    for (const std::string& input : arguments.drawing.inputs)
-        subject.include(subject_of(input, arguments.drawing.volume, arguments.drawing.points));
+/// The view of a single picture, for which sites are read as fine as its pixels; empty: they are read whole.
+ViewOfSites view_of_sites(const RenderArguments& arguments, const GivenOptions& command,
+                          const RenderRanks& ranks) {
     const PictureRequest& request = arguments.request;
-    const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
-                                      double(request.width) / request.height);
-    // Nodes have means of values, below the largest ones.
-    const double pixel_error = request.show == Show::maximum ? 0 : 1;
-    arguments.drawing.site_view = {frame_of(camera, request.width, request.height),
-                                   request.options.pixel_error.value_or(pixel_error)};
-    return arguments;
+    if (arguments.turntable || ranks.divided() || request.show == Show::slice) return {};
+    return [&](const Subject& subject) -> SiteView {
+        const Camera camera =
+            camera_from(arguments.view, command, arguments.subject.value_or(subject),
+                        double(request.width) / request.height);
+        // Nodes have means of values, below the largest ones.
+        const double pixel_error = request.show == Show::maximum ? 0 : 1;
+        return {frame_of(camera, request.width, request.height),
+                request.options.pixel_error.value_or(pixel_error)};
+    };
 }
 
 }  // namespace
@@ -292,7 +289,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
                                     const RenderRanks& ranks) {
     PictureRequest request = given.request;
     check_arguments(given, ranks.is_root);
-    RenderArguments arguments = of_view(given, command, ranks);
+    RenderArguments arguments = given;
     const bool layered = !request.layers.empty();
     if (!layered)
         request.renderer =
@@ -301,9 +298,10 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
     if (arguments.shared) share(*arguments.shared, request);
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
+    const ViewOfSites view = view_of_sites(given, command, ranks);
     SceneInputs inputs = stages.run("load", [&] {
-        return layered ? load_layers(arguments.drawing, request, ranks)
-                       : load_scene(arguments.drawing, request, ranks);
+        return layered ? load_layers(arguments.drawing, request, ranks, view)
+                       : load_scene(arguments.drawing, request, ranks, view);
     });
     if (!request.field.empty() && !inputs.field.empty()) request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;

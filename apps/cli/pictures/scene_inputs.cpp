@@ -33,11 +33,21 @@ void share_range(Field& field, const RenderRanks& ranks) {
     field.lower = -ends[0], field.upper = ends[1];
 }
 
+/// What views of the inputs of a scene frame.
+Subject subject_of_inputs(const DrawingArguments& arguments) {
+    Subject subject;
+    for (const std::string& input : arguments.inputs)
+        subject.include(subject_of(input, arguments.volume, arguments.points));
+    return subject;
+}
+
 void load_gaussians(const DrawingArguments& arguments, const PictureRequest& request,
-                    const RenderRanks& ranks, SceneInputs& inputs) {
+                    const RenderRanks& ranks, const ViewOfSites& view_of, SceneInputs& inputs) {
     const bool points = inputs.kind == FileKind::points;
+    std::optional<SiteView> view;
+    if (view_of && all_sites(arguments.inputs)) view = view_of(subject_of_inputs(arguments));
     // The chunks of a site that is read for a view are the cut.
-    const bool builds_hierarchy = request.options.pixel_error && !arguments.site_view;
+    const bool builds_hierarchy = request.options.pixel_error && !view;
     const bool cuts = !is_by_value(request.show) && !points && !ranks.divided() &&
                       (*request.renderer == Renderer::splat || builds_hierarchy);
     auto hierarchy = std::make_shared<Hierarchy>();
@@ -49,10 +59,11 @@ void load_gaussians(const DrawingArguments& arguments, const PictureRequest& req
                 load_points(arguments.inputs, arguments.points, arguments.volume, inputs.notes),
                 point_options(arguments.points));
         if (ranks.divided()) return ranks.load_models(arguments.inputs, arguments.volume.values);
-        return load_models(arguments.inputs, cuts ? hierarchy.get() : nullptr, arguments.site_view,
+        return load_models(arguments.inputs, cuts ? hierarchy.get() : nullptr, view,
                            arguments.volume.values);
     };
     const auto model = std::make_shared<Gaussians>(read());
+    if (view) inputs.site = *view->report;
     double count = static_cast<double>(model->size());
     if (ranks.divided()) {
         ranks.collective.sum(count);
@@ -229,50 +240,81 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
                 "expected --field NAME");
 }
 
+namespace {
+
+/// Reads the data of a layer, whose field the request then names.
+SceneInputs load_layer(DrawingArguments own, PictureRequest& request, std::size_t n,
+                       const RenderRanks& ranks, const ViewOfSites& view) {
+    Layer& layer = request.layers[n];
+    const std::string& input = own.inputs.front();
+    SceneInputs inputs;
+    if (own.inputs.size() == 1 && is_surface_file(input)) {
+        inputs.scene =
+            scene_of(std::make_shared<const Surface>(read_surface(input, &inputs.notes)));
+        print_notes(inputs.notes);
+        inputs.scene.name = input;
+        inputs.primitives_text = count_text(inputs.scene.surface().triangle.size()) + " triangles";
+        return inputs;
+    }
+    if (!layer.grid.empty()) own.volume.grid = layer.grid;
+    const FileKind kind = common_kind(own.inputs, own.volume.grid);
+    if (!layer.grid.empty() && kind != FileKind::volume)
+        throw UsageError(fmt::format("--layer grid={}: {} holds no grids, expected a volume",
+                                     layer.grid, input));
+    PictureRequest one = request;
+    one.layers.clear();
+    one.field = layer.field;
+    one.renderer = renderer_of({}, own, kind);
+    inputs = load_scene(own, one, ranks, view);
+    if (!layer.field.empty() && !inputs.field.empty()) layer.field = inputs.field;
+    return inputs;
+}
+
+}  // namespace
+
 SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& request,
-                        const RenderRanks& ranks) {
-    const auto add_text = [](SceneInputs& to, const std::string& text) {
-        to.primitives_text += (to.primitives_text.empty() ? "" : " and ") + text;
-    };
+                        const RenderRanks& ranks, const ViewOfSites& view) {
     if (ranks.divided()) throw UsageError("vog-mpi does not draw layers; use vog render");
     SceneInputs all;
-    std::vector<Scene> scenes;
-    for (Layer& layer : request.layers) {
-        Scene& scene = scenes.emplace_back();
-        if (!layer.visible) continue;
-        DrawingArguments own = arguments;
-        own.inputs = expanded({arguments.layer_inputs[layer.input]});
-        if (own.inputs.size() == 1 && is_surface_file(own.inputs.front())) {
-            const auto notes = all.notes.size();
-            scene = scene_of(
-                std::make_shared<const Surface>(read_surface(own.inputs.front(), &all.notes)));
-            print_notes({all.notes.begin() + static_cast<std::ptrdiff_t>(notes), all.notes.end()});
-            scene.name = own.inputs.front();
-            add_text(all, count_text(scene.surface().triangle.size()) + " triangles");
-            continue;
-        }
-        if (!layer.grid.empty()) own.volume.grid = layer.grid;
-        const FileKind kind = common_kind(own.inputs, own.volume.grid);
-        if (!layer.grid.empty() && kind != FileKind::volume)
-            throw UsageError(fmt::format("--layer grid={}: {} holds no grids, expected a volume",
-                                         layer.grid, own.inputs.front()));
-        PictureRequest one = request;
-        one.layers.clear();
-        one.field = layer.field;
-        one.renderer = renderer_of({}, own, kind);
-        SceneInputs inputs = load_scene(own, one, ranks);
-        if (!layer.field.empty() && !inputs.field.empty()) layer.field = inputs.field;
-        scene = std::move(inputs.scene);
+    std::vector<Scene> scenes(request.layers.size());
+    std::vector<std::string> texts(scenes.size());
+    const auto add = [&](std::size_t n, DrawingArguments own, const ViewOfSites& view_of_all) {
+        SceneInputs inputs = load_layer(std::move(own), request, n, ranks, view_of_all);
+        scenes[n] = std::move(inputs.scene), texts[n] = std::move(inputs.primitives_text);
         all.gaussians += inputs.gaussians, all.active_voxels += inputs.active_voxels;
-        add_text(all, inputs.primitives_text);
         all.notes.insert(all.notes.end(), inputs.notes.begin(), inputs.notes.end());
+        if (!inputs.site) return;
+        if (!all.site) all.site.emplace();
+        all.site->chunks += inputs.site->chunks, all.site->bytes_read += inputs.site->bytes_read;
+    };
+    // Sites last: their view frames all layers.
+    std::vector<std::pair<std::size_t, DrawingArguments>> sites;
+    Subject subject;
+    for (std::size_t n = 0; n < scenes.size(); ++n) {
+        if (!request.layers[n].visible) continue;
+        DrawingArguments own = arguments;
+        own.inputs = expanded({arguments.layer_inputs[request.layers[n].input]});
+        if (const auto models = models_of_one_site(own.inputs); !models.empty() && n > 0)
+            note_first_model(own.inputs.front(), models);
+        if (view && all_sites(own.inputs)) {
+            subject.include(subject_of_inputs(own));
+            sites.emplace_back(n, std::move(own));
+        } else {
+            add(n, std::move(own), {});
+            subject.include(scenes[n].subject);
+        }
     }
+    const auto view_of_all = [&](const Subject&) { return view(subject); };
+    for (auto& [n, own] : sites) add(n, std::move(own), view_of_all);
+    for (const std::string& text : texts)
+        if (!text.empty())
+            all.primitives_text += (all.primitives_text.empty() ? "" : " and ") + text;
     all.scene = scene_of_layers(std::move(scenes));
     return all;
 }
 
 SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& request,
-                       const RenderRanks& ranks) {
+                       const RenderRanks& ranks, const ViewOfSites& view) {
     SceneInputs inputs;
     const std::string& input = arguments.inputs.front();
     inputs.kind = common_kind(arguments.inputs, arguments.volume.grid);
@@ -283,7 +325,7 @@ SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& 
         inputs.scene.collective = &ranks.collective;
     }
     if (inputs.kind != FileKind::volume) {
-        load_gaussians(arguments, request, ranks, inputs);
+        load_gaussians(arguments, request, ranks, view, inputs);
     } else {
         if (ranks.divided())
             load_divided(arguments, request, ranks, inputs);

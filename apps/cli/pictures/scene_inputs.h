@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,18 +40,22 @@ struct SceneInputs {
     FileKind kind = FileKind::model;
     std::string primitives_text;  ///< "20,000 Gaussians", "1,000 voxels in 3 levels"
     std::uint64_t gaussians = 0, active_voxels = 0;
-    std::vector<std::string> notes;  ///< printed already
-    std::string field;               ///< as a request names it; empty: none, or of a model
+    std::vector<std::string> notes;     ///< printed already
+    std::optional<SiteCutReport> site;  ///< sum over the sites read for a view
+    std::string field;                  ///< as a request names it; empty: none, or of a model
 
     /// Sets primitives_text. levels of a mesh; 0: none
     void set_primitives_text(std::size_t levels);
 };
 
+/// View of data for which sites are read; empty: they are read whole.
+using ViewOfSites = std::function<SiteView(const Subject&)>;
+
 /// Reads the inputs with the field that the request shows.
 /// request  with its renderer
 /// throws   vog::Error for inputs that cannot be read or lack the field; UsageError for options without effect
 SceneInputs load_scene(const DrawingArguments& arguments, const PictureRequest& request,
-                       const RenderRanks& ranks);
+                       const RenderRanks& ranks, const ViewOfSites& view = {});
 
 /// The scalar field of this name, else the model's density, else its only scalar field.
 /// input  file, for messages
@@ -60,7 +65,7 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
 
 /// Reads the data of each visible layer, whose field the request then names.
 SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& request,
-                        const RenderRanks& ranks);
+                        const RenderRanks& ranks, const ViewOfSites& view = {});
 
 // For parts on several ranks (divided_scene.cpp).
 
