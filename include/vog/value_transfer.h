@@ -67,8 +67,8 @@ struct TransferPoints {
     double lower = 0, upper = 1;     ///< the file's range of values where at_values
     bool has_unit_distance = false;  ///< whether points.unit_distance is the file's
 };
-/// Points of a named map, or of a JSON file (docs/volume_rendering.md, "Transfer functions").
-/// name_or_file  a name of transfer_function_names, or a path
+/// Points of a named map, or of a JSON file or a table of labels (docs/transfer_functions.md).
+/// name_or_file  a name of transfer_function_names, or a path; of a table also with a label, "organs.ctbl:liver"
 /// throws        vog::Error naming the file and the key
 TransferPoints transfer_points(const std::string& name_or_file);
 /// Transfer function of values from points, which are at shares of a range or at values.

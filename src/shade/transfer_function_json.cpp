@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
-#include "core/json_fault.h"
 #include "shade/color_spaces.h"
 #include "shade/transfer_function.h"
 #include "shade/transfer_json.h"
@@ -275,29 +274,6 @@ TransferPoints from_json(const json& root, const std::string& where) {
                     where));
 }
 
-TransferPoints points_in(const std::filesystem::path& file) {
-    require_readable(file);
-    const std::string where = file.string() + ": ";
-    TransferPoints read;
-    try {
-        std::ifstream stream(file, std::ios::binary);
-        read = points_of(json::parse(stream), where);
-    } catch (const json::exception& error) {
-        throw Error(where + json_fault(error));
-    }
-    if (read.points.name.empty()) read.points.name = file.stem().string();
-    return read;
-}
-
-/// throws  vog::Error unless the text is the name of a map or a file
-bool is_map_name(const std::string& name_or_file) {
-    if (is_transfer_function_name(name_or_file)) return true;
-    std::error_code code;
-    if (std::filesystem::exists(name_or_file, code)) return false;
-    throw Error(fmt::format("{}: neither a file nor the name of a transfer function (names: {})",
-                            name_or_file, transfer_function_name_list()));
-}
-
 /// Text of a list of points, one a line: formatted here, not by the JSON library, with shortest digits.
 /// columns  numbers of a point
 template <class Point, class Columns>
@@ -338,10 +314,6 @@ nlohmann::ordered_json shading::points_json(const TransferPoints& given) {
     return json;
 }
 
-TransferFunction read_transfer_function(const std::filesystem::path& file) {
-    return over_unit_range(points_in(file));
-}
-
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf) {
     require_valid("transfer function " + tf.name, tf);
     std::string text =
@@ -378,21 +350,6 @@ void write_value_transfer(const std::filesystem::path& file, const ValueTransfer
             [](const ValueOpacity& p) { return fmt::format("{}, {}", p.value, p.opacity); }) +
         "\n}\n";
     write_file(file, [&](std::ofstream& out) { out << text; });
-}
-
-TransferFunction load_transfer_function(const std::string& name_or_file) {
-    return is_map_name(name_or_file) ? named_transfer_function(name_or_file)
-                                     : read_transfer_function(name_or_file);
-}
-
-TransferPoints transfer_points(const std::string& name_or_file) {
-    if (!is_map_name(name_or_file)) return points_in(name_or_file);
-    TransferPoints read;
-    const TransferFunction named = named_transfer_function(name_or_file);
-    read.points.name = named.name;
-    for (const ColorPoint& point : named.color)
-        read.points.color.push_back({double{point.v}, point.r, point.g, point.b});
-    return read;
 }
 
 }  // namespace vog

@@ -119,7 +119,8 @@ std::vector<Entry> colour_entries() {
         {{"tf", kColour, "NAME|FILE",
           fmt::format(
               "Transfer function from V = 1 - exp(-T), or from values in `range`, to colour: a "
-              "JSON file (vog's or ParaView's) or one of {}. Default: {}, for maps {}",
+              "JSON file (vog's or ParaView's), a table of labels or one of {}. Default: {}, for "
+              "maps {}",
               fmt::join(transfer_function_names(), ", "), default_map(Show::depth),
               default_map(Show::column))},
          transfer_values()},
