@@ -7,6 +7,9 @@ namespace vog::test {
 
 class mpi_values : public MpiPictures {};
 
+/// Light of layers is made of logarithms of what passes a slab.
+constexpr double kSameLayers = 1e-5;
+
 TEST_P(mpi_values, models_by_value_are_the_same) {
     must("sample explosion e.vdb --size 64");
     must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
@@ -29,6 +32,21 @@ TEST_P(mpi_values, models_by_value_are_the_same) {
         // One process makes deviations of differences of squares in single precision.
         EXPECT_LE(maps.deviation, 1e-4);
     }
+}
+
+TEST_P(mpi_values, layers_of_models_are_the_same) {
+    must("sample explosion e.vdb --size 64");
+    must("sample cloud c.vdb --size 64");
+    must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
+    must("convert c.vdb -o c.ply --block 8 --no-hierarchy");
+    must("export e.vdb --iso 0.4 -o e.stl");
+    const std::string layers =
+        "e.ply --layer tf=hot,unit-distance=0.1 --layer c.ply,tf=viridis,unit-distance=0.05 ";
+    EXPECT_LE(picture_difference(layers), kSameLayers);
+    EXPECT_LE(picture_difference(layers + "--light studio --slabs 9 --clip -0.2,-0.4,-1,0.3,0.4,1"),
+              kSameLayers);
+    EXPECT_LE(picture_difference(layers + "--layer e.stl,color=white,opacity=0.5 --light head"),
+              kSameLayers);
 }
 
 TEST_P(mpi_values, slices_of_models_are_the_same) {
@@ -84,6 +102,10 @@ TEST_F(mpi_value_inputs, pictures_that_do_not_add_are_refused) {
                   "--renderer trace: --show volume needs all Gaussians of a ray");
     must_fail_mpi(1, "-n 2 COMMAND render c.ply -o c.png --show volume --field heat",
                   "no scalar field 'heat'");
+    must_fail_mpi(2, "-n 2 COMMAND render c.ply -o c.png --show volume --layer c.vdb,tf=hot",
+                  "--layer: vog-mpi draws layers of models or layers of volumes, not both");
+    must_fail_mpi(2, "-n 2 COMMAND render c.ply -o c.png --show volume --layer plane=z,tf=hot",
+                  "--layer plane: vog-mpi draws no slices in volumes; use vog render");
 }
 
 }  // namespace vog::test

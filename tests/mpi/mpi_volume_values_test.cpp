@@ -60,6 +60,19 @@ TEST_P(mpi_volume_values, emission_and_absorption_are_the_same) {
     EXPECT_LE(picture_difference("e.vdb --light studio --tf viridis"), kSamePicture);
 }
 
+TEST_P(mpi_volume_values, layers_are_the_same) {
+    must("sample explosion e.vdb --size 64");
+    must("sample cloud c.vdb --size 64");
+    must("export e.vdb --iso 0.4 -o e.stl");
+    const std::string layers =
+        "e.vdb --layer tf=hot,unit-distance=0.1 --layer c.vdb,tf=viridis,unit-distance=0.05 ";
+    EXPECT_LE(picture_difference(layers + "--light head"), kSamePicture);
+    EXPECT_LE(picture_difference(layers + "--light studio --samples 2 --clip 0,1,1,-0.2"),
+              kSamePicture);
+    EXPECT_LE(picture_difference(layers + "--layer e.stl,color=white,opacity=0.5"), kSamePicture);
+    EXPECT_LE(picture_difference(layers + "--layer e.stl,color=white"), kSamePicture);
+}
+
 /// The leaf of a voxel and those of its neighbours may be of different ranks, of the field as of the density.
 TEST_P(mpi_volume_values, gradients_reach_into_other_parts) {
     must("sample cloud c.vdb --size 64");

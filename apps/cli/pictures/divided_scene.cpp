@@ -6,8 +6,10 @@
 #include <iterator>
 
 #include "conversion/volume_fields.h"
+#include "files/sequence.h"
 #include "pictures/scene_inputs.h"
 #include "vog/error.h"
+#include "vog/surface.h"
 
 namespace vog::cli {
 
@@ -226,6 +228,23 @@ void require_addable(const PictureRequest& request, FileKind kind) {
                                 info_of(*request.renderer).name,
                                 kind == FileKind::volume ? "volume" : "model",
                                 kind == FileKind::volume ? "reference" : "splat"));
+}
+
+void require_addable_layers(const DrawingArguments& arguments, const PictureRequest& request) {
+    bool models = false, volumes = false;
+    for (const Layer& layer : request.layers) {
+        if (!layer.visible) continue;
+        if (layer.plane)
+            throw UsageError("--layer plane: vog-mpi draws no slices in volumes; use vog render");
+        const std::vector<std::string> files = expanded({arguments.layer_inputs[layer.input]});
+        if (files.size() == 1 && is_surface_file(files.front())) continue;
+        const std::string& grid = layer.grid.empty() ? arguments.volume.grid : layer.grid;
+        (common_kind(files, grid) == FileKind::volume ? volumes : models) = true;
+    }
+    if (models && volumes)
+        throw UsageError(
+            "--layer: vog-mpi draws layers of models or layers of volumes, not both; convert the "
+            "volumes to models, or use vog render");
 }
 
 void load_divided(const DrawingArguments& arguments, const PictureRequest& request,

@@ -251,7 +251,7 @@ SceneInputs load_layer(DrawingArguments own, PictureRequest& request, std::size_
     if (own.inputs.size() == 1 && is_surface_file(input)) {
         inputs.scene =
             scene_of(std::make_shared<const Surface>(read_surface(input, &inputs.notes)));
-        print_notes(inputs.notes);
+        if (ranks.is_root) print_notes(inputs.notes);
         inputs.scene.name = input;
         inputs.primitives_text = count_text(inputs.scene.surface().triangle.size()) + " triangles";
         return inputs;
@@ -274,7 +274,7 @@ SceneInputs load_layer(DrawingArguments own, PictureRequest& request, std::size_
 
 SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& request,
                         const RenderRanks& ranks, const ViewOfSites& view) {
-    if (ranks.divided()) throw UsageError("vog-mpi does not draw layers; use vog render");
+    if (ranks.divided()) require_addable_layers(arguments, request);
     SceneInputs all;
     std::vector<Scene> scenes(request.layers.size());
     std::vector<std::string> texts(scenes.size());
@@ -294,7 +294,8 @@ SceneInputs load_layers(const DrawingArguments& arguments, PictureRequest& reque
         if (!request.layers[n].visible) continue;
         DrawingArguments own = arguments;
         own.inputs = expanded({arguments.layer_inputs[request.layers[n].input]});
-        if (const auto models = models_of_one_site(own.inputs); !models.empty() && n > 0)
+        if (const auto models = models_of_one_site(own.inputs);
+            !models.empty() && n > 0 && ranks.is_root)
             note_first_model(own.inputs.front(), models);
         if (view && all_sites(own.inputs)) {
             subject.include(subject_of_inputs(own));

@@ -81,6 +81,7 @@ bool may_be_signed(const VolumeInputOptions& options);
 std::string signed_note(const std::string& input, double lower, double upper);
 /// throws  UsageError and vog::Error where several ranks hold parts of inputs whose pictures do not add
 void require_addable(const PictureRequest& request, FileKind kind);
+void require_addable_layers(const DrawingArguments& arguments, const PictureRequest& request);
 /// This rank's part of volumes as a scene.
 void load_divided(const DrawingArguments& arguments, const PictureRequest& request,
                   const RenderRanks& ranks, SceneInputs& inputs);

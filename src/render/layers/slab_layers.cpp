@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "render/reference/reference_grid.h"
 #include "render/splat/splat_kernels.h"
+#include "render/splat/volume/slab_exchange.h"
 #include "render/splat/volume/slab_picture.h"
 
 namespace vog::layers {
@@ -150,7 +151,8 @@ void write(const Buffers& of, int column, int row, VolumeImage& picture) {
 void draw_slabs(std::span<SlabRenderer* const> models,
                 std::span<const std::unique_ptr<reference::LitRays>> rays, const Box& box,
                 const Camera& camera, int slabs, const Clipping& clip,
-                const lights::Illumination& reached, VolumeImage& picture) {
+                const lights::Illumination& reached, const Collective* processes,
+                VolumeImage& picture) {
     const int width = picture.width, height = picture.height;
     const CameraFrame frame = frame_of(camera, width, height);
     picture.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
@@ -172,27 +174,38 @@ void draw_slabs(std::span<SlabRenderer* const> models,
     });
     const int columns = (width + kTileWidth - 1) / kTileWidth;
     const int rows = (height + kTileHeight - 1) / kTileHeight;
-    vog::parallel_for(0, columns * rows, [&](int t) {
+    const auto finish = [&](int t, int n, std::span<SlabRenderer* const> here,
+                            const auto& cell_of) {
         Buffers& own = buffers.local();
+        const int column = t % columns * kTileWidth + n % kCellColumns * kCellWidth;
+        const int row = t / columns * kTileHeight + n / kCellColumns * kCellHeight;
+        if (column >= width || row >= height) return;
+        own.cells.clear();
+        for (SlabRenderer* model : here)
+            if (const LayerCell cell = cell_of(*model); cell.cell && cell.cell->touched())
+                own.cells.push_back(cell);
+        own.of_rays.column = column, own.of_rays.row = row;
+        add_rays(rays, frame, clip, own.of_rays, own.surfaces);
+        if (own.of_rays.touched()) own.cells.push_back({&own.of_rays, nullptr});
+        if (own.cells.empty()) return;
+        kernels.composite_layers(own.cells, own.surfaces, own.seen);
+        write(own, column, row, picture);
+        for (const LayerCell& cell : own.cells) cell.cell->clear();
+    };
+    if (processes && !seen.empty()) {
+        std::vector<SlabPart> parts;
+        for (SlabRenderer* model : seen) parts.push_back(model->part());
+        const auto received = [](SlabRenderer& model) { return model.received(); };
+        return draw_parts(
+            parts, *processes, [&](int t, int n) { finish(t, n, seen, received); }, !rays.empty(),
+            picture.pixel.data());
+    }
+    vog::parallel_for(0, columns * rows, [&](int t) {
         std::vector<SlabRenderer*> here;
         for (SlabRenderer* model : seen)
             if (model->begin_tile(t)) here.push_back(model);
-        for (int n = 0; n < kCellColumns * kCellRows; ++n) {
-            const int column = t % columns * kTileWidth + n % kCellColumns * kCellWidth;
-            const int row = t / columns * kTileHeight + n / kCellColumns * kCellHeight;
-            if (column >= width || row >= height) continue;
-            own.cells.clear();
-            for (SlabRenderer* model : here)
-                if (const LayerCell cell = model->sum_cell(t, n); cell.cell)
-                    own.cells.push_back(cell);
-            own.of_rays.column = column, own.of_rays.row = row;
-            add_rays(rays, frame, clip, own.of_rays, own.surfaces);
-            if (own.of_rays.touched()) own.cells.push_back({&own.of_rays, nullptr});
-            if (own.cells.empty()) continue;
-            kernels.composite_layers(own.cells, own.surfaces, own.seen);
-            write(own, column, row, picture);
-            for (const LayerCell& cell : own.cells) cell.cell->clear();
-        }
+        for (int n = 0; n < kCellColumns * kCellRows; ++n)
+            finish(t, n, here, [&](SlabRenderer& model) { return model.sum_cell(t, n); });
     });
 }
 

@@ -16,14 +16,16 @@ namespace vog::layers {
 /// Draws layers that share their space: in each slab extinctions add up, and colours by their extinctions.
 /// Surfaces hide what lies behind them: exactly of voxels, of models by the share of a slab.
 /// models   at least one, each with `slabs` slabs
-/// rays     voxels and surfaces, as of render_layers_reference
+/// rays     voxels and surfaces, as of render_layers_reference; of models in parts surfaces alone, the same in each process
 /// box      holds the voxels, world units; may be empty
 /// clip     of the rays; models have theirs
-/// reached  light that reaches points of the world
-/// picture  receives the result, the same bytes for any number of threads
+/// reached    light that reaches points of the world
+/// processes  that hold parts of the models; null: this one alone
+/// picture    receives the result, the same bytes for any number of threads; complete on the root
 void draw_slabs(std::span<SlabRenderer* const> models,
                 std::span<const std::unique_ptr<reference::LitRays>> rays, const Box& box,
                 const Camera& camera, int slabs, const Clipping& clip,
-                const lights::Illumination& reached, VolumeImage& picture);
+                const lights::Illumination& reached, const Collective* processes,
+                VolumeImage& picture);
 
 }  // namespace vog::layers

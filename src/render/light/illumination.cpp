@@ -246,24 +246,24 @@ Illumination illumination(std::span<const Volume> volumes, std::span<const Voxel
     if (!is_absorbed(look)) return {};
     Box box;
     for (const Volume& volume : volumes) box.include(world_box(volume));
+    const auto add = [&](ExtinctionLattice& lattice) {
+        for (std::size_t n = 0; n < volumes.size(); ++n)
+            add_extinction(volumes[n], fields[n], transfer, lattice);
+        if (processes) processes->sum(lattice.sum);
+    };
+    return illumination(box, true, add, look, forward, processes);
+}
+
+Illumination illumination(Box box, bool of_voxels,
+                          const std::function<void(ExtinctionLattice&)>& add,
+                          const VolumeLook& look, Vec3d forward, const Collective* processes) {
+    if (!is_absorbed(look)) return {};
     if (processes) {
         double faces[6] = {-box.lower.x, -box.lower.y, -box.lower.z,
                            box.upper.x,  box.upper.y,  box.upper.z};
         processes->max(faces);
         box = {{-faces[0], -faces[1], -faces[2]}, {faces[3], faces[4], faces[5]}};
     }
-    const auto add = [&](ExtinctionLattice& lattice) {
-        for (std::size_t n = 0; n < volumes.size(); ++n)
-            add_extinction(volumes[n], fields[n], transfer, lattice);
-        if (processes) processes->sum(lattice.sum);
-    };
-    return illumination(box, true, add, look, forward);
-}
-
-Illumination illumination(const Box& box, bool of_voxels,
-                          const std::function<void(ExtinctionLattice&)>& add,
-                          const VolumeLook& look, Vec3d forward) {
-    if (!is_absorbed(look)) return {};
     ExtinctionLattice lattice(box, of_voxels ? kVoxelCells : kModelCells);
     add(lattice);
     lattice.clip(look.clip);

@@ -83,12 +83,14 @@ Illumination illumination(std::span<const Volume> volumes, std::span<const Voxel
                           const Collective* processes);
 
 /// Of data that absorb each other's light: layers of a picture.
-/// box        holds all
+/// box        holds all of this process
 /// of_voxels  whether none of them is a model
-/// add        adds their extinction
-Illumination illumination(const Box& box, bool of_voxels,
+/// add        adds their extinction, of all processes
+/// processes  that hold parts of the data; null: this one alone
+Illumination illumination(Box box, bool of_voxels,
                           const std::function<void(ExtinctionLattice&)>& add,
-                          const VolumeLook& look, Vec3d forward);
+                          const VolumeLook& look, Vec3d forward,
+                          const Collective* processes = nullptr);
 
 /// Optical depths from the centres of cells out of the lattice, by lines that step from layer to layer of cells, across the axis
 /// that the direction is longest along.

@@ -136,7 +136,9 @@ struct PictureRenderer::State {
             bounds.include(layer.has_voxels() ? layer.subject.box : view_box(*layer.model().model));
         }
         sums.width = picture.request.width, sums.height = picture.request.height;
-        sums.light = layered_picture(picture, prepared, resolved, bounds, light, progress).pixel;
+        sums.light = layered_picture(picture, prepared, resolved, bounds, light,
+                                     several() ? scene.collective : nullptr, progress)
+                         .pixel;
     }
 
     void draw_joint(const ResolvedPicture& picture, Sums& sums, const Progress& progress) {

@@ -50,9 +50,11 @@ class ReferencePictures : public SourceRenderer {
     }
 
     PreparedLayer layer(const ResolvedPicture& picture) override {
+        const VoxelSource& source = sources_.front();
         return {.volumes = volumes(),
-                .field = values(sources_.front(), picture.field.field),
-                .voxels = interpolation_of_values()};
+                .field = values(source, picture.field.field),
+                .voxels = interpolation_of_values(),
+                .others = {source.overlap, source.beside, source.beside_field}};
     }
 
   protected:

@@ -26,6 +26,7 @@ struct PreparedLayer {
     std::span<const Volume> volumes{};
     std::span<const VoxelField> field{};  ///< [volumes]
     VoxelGridOptions voxels{};
+    OtherVoxels others{};
     const reference::CellRays* cells = nullptr;
     const CellValues* values = nullptr;  ///< of the cells
 };
@@ -149,9 +150,11 @@ struct LayersLight {
 /// picture    its request, clip included
 /// of_layers  resolved, each of its data
 /// bounds     box of all, world units
+/// processes  that hold parts of models, or of volumes, and whole surfaces; null: this one alone
 VolumeImage layered_picture(const ResolvedPicture& picture, std::span<PreparedLayer> prepared,
                             std::span<const ResolvedPicture* const> of_layers, const Box& bounds,
-                            LayersLight& light, const Progress& progress);
+                            LayersLight& light, const Collective* processes,
+                            const Progress& progress);
 /// Options of a slice, which are those of the request.
 SliceOptions slice_options(const ResolvedPicture& picture, const Progress& progress);
 /// Moves the shown numbers of a slice to Sums::slice.

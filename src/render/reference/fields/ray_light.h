@@ -132,7 +132,8 @@ class VoxelRays : public LitRays {
     /// throws           vog::Error as render_volume_reference does
     VoxelRays(std::span<const Volume> volumes, std::span<const VoxelField> fields,
               const ValueTransfer& transfer, const VolumeLook& look,
-              const lights::Illumination& reached, const VoxelGridOptions& voxels);
+              const lights::Illumination& reached, const VoxelGridOptions& voxels,
+              const OtherVoxels& others = {});
     ~VoxelRays() override;
     VoxelRays(const VoxelRays&) = delete;
     VoxelRays& operator=(const VoxelRays&) = delete;
@@ -146,7 +147,7 @@ class VoxelRays : public LitRays {
 };
 
 /// The picture of several such, exactly: extinctions add up. Clips as of render_volume_reference.
-/// layers  surfaces first: what they hide takes no time
+/// layers  surfaces first: what they hide takes no time. Of several processes the pieces of all make the picture of the root
 [[nodiscard]] VolumeImage render_layers_reference(std::span<const std::unique_ptr<LitRays>> layers,
                                                   const Camera& camera, int width, int height,
                                                   const ReferenceOptions& options,

@@ -198,21 +198,36 @@ VolumeImage picture_of(const Camera& camera, int width, int height, const Refere
     return image;
 }
 
+/// Grids of a field, with the voxels of other processes beside them.
+void set_grids(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+               const OtherVoxels& others, std::vector<FieldGrid>& grids,
+               std::vector<FieldGrid>& beside) {
+    grids = field_grids(volumes, fields, FieldPart::value);
+    beside = field_grids(others.beside, others.field, FieldPart::value);
+    for (std::size_t n = 0; n < beside.size(); ++n)
+        if (!others.beside[n].empty()) grids.at(n).set_beside(beside[n]);
+}
+
+/// Rays of several processes at a time, each with runs of pieces, or with all pieces.
+constexpr std::size_t kMostRays = std::size_t{1} << 15, kMostVoxelByVoxel = kMostRays / 4;
+
 }  // namespace
 
 struct VoxelRays::State {
     VoxelLight lighting;
     std::vector<FieldGrid> grids;        ///< of constant voxels
+    std::vector<FieldGrid> beside;       ///< next to them, of other processes
     std::optional<LinearVolume> linear;  ///< of interpolated ones
 };
 
 VoxelRays::VoxelRays(std::span<const Volume> volumes, std::span<const VoxelField> fields,
                      const ValueTransfer& transfer, const VolumeLook& look,
-                     const lights::Illumination& reached, const VoxelGridOptions& voxels) {
+                     const lights::Illumination& reached, const VoxelGridOptions& voxels,
+                     const OtherVoxels& others) {
     check_fields(volumes, fields, FieldPart::value);
-    state_ = std::make_unique<State>(State{VoxelLight(transfer, look, reached), {}, {}});
+    state_ = std::make_unique<State>(State{VoxelLight(transfer, look, reached), {}, {}, {}});
     if (voxels.interpolation == Interpolation::constant)
-        state_->grids = field_grids(volumes, fields, FieldPart::value);
+        set_grids(volumes, fields, others, state_->grids, state_->beside);
     else
         state_->linear.emplace(one_of(volumes), fields.front(), voxels);
 }
@@ -228,12 +243,24 @@ void VoxelRays::add(Vec3d origin, Vec3d direction, Segment& within,
 VolumeImage render_layers_reference(std::span<const std::unique_ptr<LitRays>> layers,
                                     const Camera& camera, int width, int height,
                                     const ReferenceOptions& options, const VolumeLook& look) {
+    const auto add = [&](const WorldRay& ray, Segment within, std::vector<LitPiece>& pieces) {
+        for (const std::unique_ptr<LitRays>& layer : layers)
+            layer->add(ray.origin, ray.direction, within, pieces);
+    };
+    if (const Collective* processes = processes_of(options))
+        return joint_picture(camera, width, height, options, look.clip, *processes,
+                             kMostVoxelByVoxel, [&](const WorldRay& ray, Segment within) {
+                                 std::vector<LitPiece> pieces;
+                                 add(ray, within, pieces);
+                                 for (LitPiece& piece : pieces)
+                                     piece.light.extinction *= ray.stretch;
+                                 return pieces;
+                             });
     return picture_of(camera, width, height, options, look.clip,
                       [&](const WorldRay& ray, Segment within) {
                           thread_local std::vector<LitPiece> pieces;
                           pieces.clear();
-                          for (const std::unique_ptr<LitRays>& layer : layers)
-                              layer->add(ray.origin, ray.direction, within, pieces);
+                          add(ray, within, pieces);
                           Compositor light;
                           composite(pieces, ray.stretch, light);
                           return light;
@@ -270,12 +297,8 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
     if (processes && voxels.interpolation != Interpolation::constant)
         throw Error("reference: interpolated voxels of several processes, expected constant ones");
     if (processes) {
-        std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
-        const std::vector<FieldGrid> beside =
-            field_grids(others.beside, others.field, FieldPart::value);
-        for (std::size_t n = 0; n < beside.size(); ++n)
-            if (!others.beside[n].empty()) grids.at(n).set_beside(beside[n]);
-        constexpr std::size_t kMostRays = std::size_t{1} << 15, kMostVoxelByVoxel = kMostRays / 4;
+        std::vector<FieldGrid> grids, beside;
+        set_grids(volumes, fields, others, grids, beside);
         return joint_picture(camera, width, height, options, look.clip, *processes,
                              others.overlap ? kMostVoxelByVoxel : kMostRays,
                              [&](const WorldRay& ray, Segment within) {

@@ -19,12 +19,14 @@ using Packets = std::vector<std::vector<float>>;  ///< [processes]
 constexpr std::size_t kMostBytes = std::size_t{64} << 20;
 
 /// Tiles with a Gaussian of any part.
-std::vector<int> shared_tiles(const SlabPicture& drawn,
-                              tbb::enumerable_thread_specific<SlabBuffers>& buffers,
-                              const Collective& processes) {
-    std::vector<double> any(static_cast<std::size_t>(drawn.tiles().bins.tiles()));
+/// everywhere  all tiles
+std::vector<int> shared_tiles(std::span<const SlabPart> models, const Collective& processes,
+                              bool everywhere) {
+    std::vector<double> any(static_cast<std::size_t>(models.front().drawn->tiles().bins.tiles()),
+                            everywhere);
     vog::parallel_for(std::size_t{0}, any.size(), [&](std::size_t t) {
-        any[t] = drawn.find(static_cast<int>(t), buffers.local());
+        for (const auto& [drawn, buffers] : models)
+            if (!(any[t] > 0)) any[t] = drawn->find(static_cast<int>(t), buffers->local());
     });
     processes.max(any);
     std::vector<int> tiles;
@@ -33,9 +35,9 @@ std::vector<int> shared_tiles(const SlabPicture& drawn,
     return tiles;
 }
 
-/// Sums of the slabs of a cell, as numbers: place of the tile in its run, cell of the tile, slabs; of each slab its
+/// Sums of the slabs of a cell, as numbers: place of the tile in its run, cell of the tile, model, slabs; of each slab its
 /// number and the pixels of each channel.
-constexpr std::size_t kHead = 3;
+constexpr std::size_t kHead = 4;
 std::size_t block_size(int channels) {
     return 1 + static_cast<std::size_t>(channels) * kCellPixels;
 }
@@ -46,14 +48,16 @@ struct SumUnits {
 };
 
 /// Appends the sums of a cell, and sets them to 0.
-void pack(SlabCell& cell, float factor, std::size_t place, int n, std::vector<float>& to) {
+void pack(SlabCell& cell, float factor, std::size_t place, int n, std::size_t model,
+          std::vector<float>& to) {
     const std::size_t head = to.size();
-    to.insert(to.end(), {static_cast<float>(place), static_cast<float>(n), 0});
+    to.insert(to.end(),
+              {static_cast<float>(place), static_cast<float>(n), static_cast<float>(model), 0});
     for (int slab = cell.lowest; slab <= cell.highest; ++slab) {
         const std::span<const SlabPlane> planes(cell.slab(slab),
                                                 static_cast<std::size_t>(cell.channels));
         if (std::ranges::all_of(planes.front().pixel, [](float tau) { return tau == 0; })) continue;
-        ++to[head + 2];
+        ++to[head + 3];
         to.push_back(static_cast<float>(slab));
         for (const SlabPlane& plane : planes)
             for (const float sum : plane.pixel) to.push_back(factor * sum);
@@ -74,10 +78,11 @@ void unpack(std::span<const float> blocks, float factor, SlabCell& cell) {
 
 /// A run of tiles in progress.
 struct SlabRunOfTiles {
-    const SlabPicture& drawn;
-    tbb::enumerable_thread_specific<SlabBuffers>& buffers;
+    std::span<const SlabPart> models;
     const Collective& processes;
-    SumUnits units;
+    const FinishCell& finish;
+    bool everywhere;
+    std::vector<SumUnits> units;  ///< [models]
     std::span<const int> tiles;
     std::size_t first;  ///< place of the first among all: owners take turns
 
@@ -90,6 +95,7 @@ struct SlabRunOfTiles {
     /// Calls body with the first pixel and the number of pixels of each row of a tile.
     template <class Body>
     void each_row(int t, Rgba* image, const Body& body) const {
+        const SlabPicture& drawn = *models.front().drawn;
         const CameraFrame& frame = drawn.view.frame;
         const int top = drawn.tiles().row_of(t), left = drawn.tiles().column_of(t);
         for (int y = top; y < std::min(top + kTileHeight, frame.height); ++y)
@@ -97,20 +103,23 @@ struct SlabRunOfTiles {
                  static_cast<std::size_t>(std::min(kTileWidth, frame.width - left)));
     }
     Packets sums() const;
-    void composite(const Packets& from, Rgba* image) const;
+    void composite(const Packets& from) const;
     void collect(Rgba* image) const;
 };
 
 Packets SlabRunOfTiles::sums() const {
     std::vector<std::vector<float>> packed(tiles.size());
     vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
-        SlabBuffers& own = buffers.local();
-        if (!drawn.find(tiles[n], own)) return;
-        drawn.divide(tiles[n], own);
-        for (int cell = 0; cell < kCells; ++cell) {
-            if (!drawn.begin_cell(tiles[n], cell, own)) continue;
-            drawn.sum_cell(own);
-            pack(own.cell, units.to_all, n, cell, packed[n]);
+        for (std::size_t model = 0; model < models.size(); ++model) {
+            const SlabPicture& drawn = *models[model].drawn;
+            SlabBuffers& own = models[model].buffers->local();
+            if (!drawn.find(tiles[n], own)) continue;
+            drawn.divide(tiles[n], own);
+            for (int cell = 0; cell < kCells; ++cell) {
+                if (!drawn.begin_cell(tiles[n], cell, own)) continue;
+                drawn.sum_cell(own);
+                pack(own.cell, units[model].to_all, n, cell, model, packed[n]);
+            }
         }
     });
     Packets to(static_cast<std::size_t>(processes.count));
@@ -122,26 +131,35 @@ Packets SlabRunOfTiles::sums() const {
     return to;
 }
 
-void SlabRunOfTiles::composite(const Packets& from, Rgba* image) const {
-    std::vector<std::vector<std::span<const float>>> blocks(tiles.size() * kCells);
-    const std::size_t block = block_size(buffers.local().cell.channels);
+void SlabRunOfTiles::composite(const Packets& from) const {
+    const std::size_t count = models.size();
+    // [tiles][cells][models]
+    std::vector<std::vector<std::span<const float>>> blocks(tiles.size() * kCells * count);
+    const std::size_t block = block_size(models.front().buffers->local().cell.channels);
     for (const std::vector<float>& packet : from)
         for (std::span<const float> rest = packet; !rest.empty();) {
             const auto place = static_cast<std::size_t>(rest[0]);
             const auto cell = static_cast<std::size_t>(rest[1]);
-            const std::size_t count = block * static_cast<std::size_t>(rest[2]);
-            blocks[place * kCells + cell].push_back(rest.subspan(kHead, count));
-            rest = rest.subspan(kHead + count);
+            const auto model = static_cast<std::size_t>(rest[2]);
+            const std::size_t numbers = block * static_cast<std::size_t>(rest[3]);
+            blocks[(place * kCells + cell) * count + model].push_back(rest.subspan(kHead, numbers));
+            rest = rest.subspan(kHead + numbers);
         }
     vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
         if (!is_own(n)) return;
-        SlabCell& cell = buffers.local().cell;
         for (int c = 0; c < kCells; ++c) {
-            const auto& parts = blocks[n * kCells + static_cast<std::size_t>(c)];
-            if (parts.empty()) continue;
-            (void)drawn.place_cell(tiles[n], c, cell);
-            for (const std::span<const float> part : parts) unpack(part, units.to_own, cell);
-            drawn.finish_cell(cell, image);
+            bool any = everywhere;
+            for (std::size_t model = 0; model < count; ++model) {
+                const auto& parts =
+                    blocks[(n * kCells + static_cast<std::size_t>(c)) * count + model];
+                if (parts.empty()) continue;
+                SlabCell& cell = models[model].buffers->local().cell;
+                (void)models[model].drawn->place_cell(tiles[n], c, cell);
+                for (const std::span<const float> part : parts)
+                    unpack(part, units[model].to_own, cell);
+                any = true;
+            }
+            if (any) finish(tiles[n], c);
         }
     });
 }
@@ -192,29 +210,31 @@ DepthRange joint_depths(const DepthRange& own, const Collective& processes) {
     return {static_cast<float>(-ends[0]), static_cast<float>(ends[1])};
 }
 
-void draw_parts(const SlabPicture& drawn, tbb::enumerable_thread_specific<SlabBuffers>& buffers,
-                const Collective& processes, Rgba* image) {
-    const CameraFrame& frame = drawn.view.frame;
+void draw_parts(std::span<const SlabPart> models, const Collective& processes,
+                const FinishCell& finish, bool everywhere, Rgba* image) {
+    const CameraFrame& frame = models.front().drawn->view.frame;
     std::fill_n(image,
                 static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                 Rgba{0, 0, 0, 0});
-    const std::vector<int> tiles = shared_tiles(drawn, buffers, processes);
-    const std::size_t tile_bytes = buffers.local().cell.planes.size() * sizeof(SlabPlane) * kCells;
+    const std::vector<int> tiles = shared_tiles(models, processes, everywhere);
+    std::size_t tile_bytes = 0;
+    std::vector<SumUnits> units;
+    for (const auto& [drawn, buffers] : models) {
+        tile_bytes += buffers->local().cell.planes.size() * sizeof(SlabPlane) * kCells;
+        // Powers of two: no rounding.
+        double unit[1] = {drawn->view.gaussians.size() > 0 ? drawn->unit : 0};
+        processes.max(unit);
+        units.push_back(
+            {static_cast<float>(drawn->unit / unit[0]), static_cast<float>(unit[0] / drawn->unit)});
+    }
     const std::size_t run = std::max<std::size_t>(kMostBytes / tile_bytes, 1);
-    // Powers of two: no rounding.
-    double unit[1] = {drawn.view.gaussians.size() > 0 ? drawn.unit : 0};
-    processes.max(unit);
-    const SumUnits units{static_cast<float>(drawn.unit / unit[0]),
-                         static_cast<float>(unit[0] / drawn.unit)};
     for (std::size_t first = 0; first < tiles.size(); first += run) {
         const SlabRunOfTiles one{
-            drawn,
-            buffers,
-            processes,
-            units,
-            std::span(tiles).subspan(first, std::min(run, tiles.size() - first)),
+            models, processes,
+            finish, everywhere,
+            units,  std::span(tiles).subspan(first, std::min(run, tiles.size() - first)),
             first};
-        one.composite(processes.exchange(one.sums()), image);
+        one.composite(processes.exchange(one.sums()));
         one.collect(image);
     }
 }

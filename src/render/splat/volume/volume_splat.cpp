@@ -276,7 +276,13 @@ void SlabModel::draw(const LightOfMoments* light, const Camera& camera, int widt
     if (!extent.depths.empty()) whole.drawn->depths = slab_depths(extent.depths, slabs);
     whole.drawn->most_share = static_cast<float>(most_share_per_density(*field) * model.unit /
                                                  double{whole.drawn->depths.thickness});
-    if (processes) return draw_parts(*whole.drawn, buffers, *processes, picture.pixel.data());
+    if (processes) {
+        const SlabPart part{&*whole.drawn, &buffers};
+        const auto finish = [&](int, int) {
+            whole.drawn->finish_cell(buffers.local().cell, picture.pixel.data());
+        };
+        return draw_parts({&part, 1}, *processes, finish, false, picture.pixel.data());
+    }
     const int halves = precision > 0 ? extent.halves() : 0;
     draw_level(0, static_cast<std::size_t>(halves), sums, picture);
     if (!sums) return;
@@ -332,7 +338,8 @@ bool SlabRenderer::begin(const Camera& camera, int width, int height,
     slabs.joint = &reached;
     if (!slabs.begin(&state_->light, camera, width, height)) return false;
     ++slabs.drawn_pictures;
-    const DepthRange own = slabs.project(0).depths;
+    DepthRange own = slabs.project(0).depths;
+    if (slabs.processes) own = joint_depths(own, *slabs.processes);
     if (own.empty()) return false;
     const auto from_eye = static_cast<float>(slabs.whole.view->depth);
     depths.include({own.near + from_eye, own.far + from_eye});
@@ -359,8 +366,15 @@ splat::LayerCell SlabRenderer::sum_cell(int t, int n) {
 }
 void SlabRenderer::add_extinction(lights::ExtinctionLattice& lattice) const {
     const SlabModel& slabs = state_->slabs;
-    lights::add_extinction(*slabs.gaussians, *slabs.field, state_->light, slabs.model.unit, nullptr,
-                           lattice);
+    lights::add_extinction(*slabs.gaussians, *slabs.field, state_->light, slabs.model.unit,
+                           slabs.processes, lattice);
+}
+splat::SlabPart SlabRenderer::part() {
+    return {&*state_->slabs.whole.drawn, &state_->slabs.buffers};
+}
+splat::LayerCell SlabRenderer::received() {
+    SlabModel& slabs = state_->slabs;
+    return {&slabs.buffers.local().cell, slabs.whole.drawn->light};
 }
 const splat::SlabKernels& SlabRenderer::kernels() const {
     return slab_kernels(*state_->slabs.kernels);

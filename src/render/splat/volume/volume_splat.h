@@ -16,6 +16,9 @@
 namespace vog {
 
 struct Collective;
+namespace splat {
+struct SlabPart;
+}
 
 /// Options of a SlabRenderer.
 struct SlabOptions {
@@ -73,6 +76,9 @@ class SlabRenderer {
     /// Sums of a cell of the thread's tile; the caller clears them.
     /// returns  no cell where nothing is
     splat::LayerCell sum_cell(int t, int n);
+    /// In place of tiles, of a model in parts: what draw_parts takes, and the thread's cell with the sums of all parts.
+    splat::SlabPart part();
+    splat::LayerCell received();
     /// Adds the model's extinction under its transfer function.
     void add_extinction(lights::ExtinctionLattice& lattice) const;
     const splat::SlabKernels& kernels() const;
