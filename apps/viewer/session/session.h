@@ -134,9 +134,11 @@ class Session {
     std::string layer_name(std::size_t n) const;
     bool is_surface(std::size_t n) const { return layered_as_.layers[n].field.field.empty(); }
     void set_layer_visible(std::size_t n, bool visible);
-    /// Colours and opacities of a layer's values, by a map's name or a file.
-    /// throws  vog::Error as transfer_points does
-    void set_layer_map(std::size_t n, const std::string& name_or_file);
+    /// Box of a layer's data, world units.
+    Box layer_box(std::size_t n) const { return outline_of(layered_.scene->layers[n].subject); }
+    /// Changes a layer's transfer function, plane, colour or opacity.
+    /// throws  vog::Error as resolve() does; nothing changes then
+    void edit_layer(std::size_t n, const std::function<void(Layer&)>& change);
 
     void look_changed();
     void auto_exposure();

@@ -226,12 +226,9 @@ void Session::set_layer_visible(std::size_t n, bool visible) {
     ++layer_changes_;
 }
 
-void Session::set_layer_map(std::size_t n, const std::string& name_or_file) {
+void Session::edit_layer(std::size_t n, const std::function<void(Layer&)>& change) {
     LayeredData data = layered_;
-    TransferRequest& transfer = data.layers[n].transfer;
-    transfer.points = transfer_points(name_or_file);
-    transfer.window.reset(), transfer.bands.clear();
-    if (transfer.points.at_values) transfer.range.reset(), transfer.log.reset();
+    change(data.layers[n]);
     set_layers(std::move(data));
 }
 

@@ -1,10 +1,12 @@
-// clip_box.cpp: projection of the clip box, and the motion of its faces.
+// clip_box.cpp: projection of the clip box and of slices, and the motion of faces and slices.
 #include "ui/clip_box.h"
 
 #include <imgui.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "ui/palette.h"
 
@@ -44,11 +46,77 @@ Vec3d middle_of(const Box& box, Face face) {
     return at;
 }
 
+/// Slices of layers that the picture shows.
+std::vector<Face> slices_of(const Session& session) {
+    std::vector<Face> slices;
+    for (std::size_t n = 0; session.shows_layers() && n < session.layers().size(); ++n)
+        if (session.layers()[n].visible && session.layers()[n].plane)
+            slices.push_back({0, false, static_cast<int>(n)});
+    return slices;
+}
+
+const SlicePlane& plane_of(const Session& session, Face slice) {
+    return *session.layers()[static_cast<std::size_t>(slice.slice)].plane;
+}
+
+/// Point of a slice nearest to the middle of its data.
+Vec3d middle_of(const Session& session, Face slice) {
+    const SlicePlane& plane = plane_of(session, slice);
+    const Vec3d at = session.layer_box(static_cast<std::size_t>(slice.slice)).center();
+    const double length2 = dot(plane.normal, plane.normal);
+    return at + (*plane.offset - dot(plane.normal, at)) / length2 * plane.normal;
+}
+
+/// All handles, with their places in the world.
+std::vector<std::pair<Face, Vec3d>> handles_of(const Session& session) {
+    std::vector<std::pair<Face, Vec3d>> handles;
+    if (const std::optional<Box>& box = session.quantity.look.clip.box)
+        for (const Face face : kFaces) handles.emplace_back(face, middle_of(*box, face));
+    for (const Face slice : slices_of(session))
+        handles.emplace_back(slice, middle_of(session, slice));
+    return handles;
+}
+
+/// Steps along a line in the picture that a drag makes; nothing: the line points at the eye.
+/// step  world
+std::optional<double> steps_of(const Projection& projection, Vec3d at, Vec3d step, float dx,
+                               float dy) {
+    const auto from = projection.place(at), to = projection.place(at + step);
+    if (!from || !to) return std::nullopt;
+    const double ax = double{to->x - from->x}, ay = double{to->y - from->y};
+    const double size2 = ax * ax + ay * ay;
+    if (size2 < 1e-6) return std::nullopt;
+    return (double{dx} * ax + double{dy} * ay) / size2;
+}
+
+void drag_slice(Session& session, const Projection& projection, Face slice, float dx, float dy) {
+    const auto layer = static_cast<std::size_t>(slice.slice);
+    const SlicePlane plane = plane_of(session, slice);
+    const auto [low, high] = slice_range(session, layer);
+    const double step = 0.01 * (high - low);
+    const Vec3d along = step / dot(plane.normal, plane.normal) * plane.normal;
+    const auto steps = steps_of(projection, middle_of(session, slice), along, dx, dy);
+    if (!steps) return;
+    const double offset = std::clamp(*plane.offset + *steps * step, low, high);
+    attempt(session, [&] {
+        session.edit_layer(layer, [&](Layer& moved) { moved.plane->offset = offset; });
+    });
+}
+
 }  // namespace
+
+std::pair<double, double> slice_range(const Session& session, std::size_t layer) {
+    const Vec3d normal = session.layers()[layer].plane->normal;
+    const Box box = session.layer_box(layer);
+    double reach = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        reach += 0.5 * std::abs(normal[axis]) * (box.upper[axis] - box.lower[axis]);
+    const double middle = dot(normal, box.center());
+    return {middle - reach, middle + reach};
+}
 
 void draw_clip_box(const Session& session, const Layout& layout) {
     const std::optional<Box>& box = session.quantity.look.clip.box;
-    if (!box) return;
     const Projection projection(session.camera, layout.picture);
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const Rect& r = layout.picture;
@@ -59,33 +127,33 @@ void draw_clip_box(const Session& session, const Layout& layout) {
             if (n >> axis & 1) at[axis] = box->upper[axis];
         return projection.place(at);
     };
-    for (int n = 0; n < 8; ++n)
+    for (int n = 0; n < 8 && box; ++n)
         for (int axis = 0; axis < 3; ++axis) {
             if (n >> axis & 1) continue;
             const auto from = corner(n), to = corner(n | 1 << axis);
             if (from && to) list.AddLine(*from, *to, IM_COL32(255, 255, 255, 110), layout.ui);
         }
     const float radius = 7 * layout.ui;
-    for (const Face face : kFaces) {
-        const auto at = projection.place(middle_of(*box, face));
+    for (const auto& [face, middle] : handles_of(session)) {
+        const auto at = projection.place(middle);
         if (!at) continue;
+        const std::string letter =
+            face.slice < 0 ? kLetters[face.axis] : std::to_string(face.slice + 1);
         list.AddCircleFilled(*at, radius, IM_COL32(20, 20, 24, 220));
         list.AddCircle(*at, radius, IM_COL32(255, 255, 255, 230), 0, 1.5f * layout.ui);
-        const ImVec2 size = ImGui::CalcTextSize(kLetters[face.axis]);
-        list.AddText({at->x - 0.5f * size.x, at->y - 0.55f * size.y}, kInk, kLetters[face.axis]);
+        const ImVec2 size = ImGui::CalcTextSize(letter.c_str());
+        list.AddText({at->x - 0.5f * size.x, at->y - 0.55f * size.y}, kInk, letter.c_str());
     }
     list.PopClipRect();
 }
 
 std::optional<Face> clip_face_at(const Session& session, const Rect& picture, float ui, float x,
                                  float y) {
-    const std::optional<Box>& box = session.quantity.look.clip.box;
-    if (!box) return std::nullopt;
     const Projection projection(session.camera, picture);
     std::optional<Face> best;
     float least = 9 * ui;
-    for (const Face face : kFaces) {
-        const auto at = projection.place(middle_of(*box, face));
+    for (const auto& [face, middle] : handles_of(session)) {
+        const auto at = projection.place(middle);
         if (!at) continue;
         const float distance = std::hypot(at->x - x, at->y - y);
         if (distance < least) best = face, least = distance;
@@ -94,21 +162,18 @@ std::optional<Face> clip_face_at(const Session& session, const Rect& picture, fl
 }
 
 void drag_clip_face(Session& session, const Rect& picture, Face face, float dx, float dy) {
+    const Projection projection(session.camera, picture);
+    if (face.slice >= 0) return drag_slice(session, projection, face, dx, dy);
     const std::optional<Box> box = session.quantity.look.clip.box;
     if (!box) return;
-    const Projection projection(session.camera, picture);
     const Box& data = session.scene.subject.box;
     const double width = data.upper[face.axis] - data.lower[face.axis];
-    const double step = 0.01 * width;
-    Vec3d at = middle_of(*box, face), beside = at;
-    beside[face.axis] += step;
-    const auto from = projection.place(at), to = projection.place(beside);
-    if (!from || !to || !(width > 0)) return;
-    // World units along the axis for a motion along its line in the picture.
-    const double ax = double{to->x - from->x}, ay = double{to->y - from->y};
-    const double size2 = ax * ax + ay * ay;
-    if (size2 < 1e-6) return;  // the axis points at the eye
-    const double moved = step * (double{dx} * ax + double{dy} * ay) / size2;
+    if (!(width > 0)) return;
+    Vec3d step;
+    step[face.axis] = 0.01 * width;
+    const auto steps = steps_of(projection, middle_of(*box, face), step, dx, dy);
+    if (!steps) return;
+    const double moved = *steps * step[face.axis];
     Box next = *box;
     const double least = 1e-3 * width;
     if (face.upper)

@@ -23,7 +23,7 @@ constexpr KeyHelp kHelp[] = {
     {"Ctrl + left drag", "look around from the eye's position"},
     {"Alt + left drag", "roll"},
     {"drag the split line", "compare two renderers"},
-    {"drag a circle of the clip box", "move that face"},
+    {"drag a circle of the clip box, of a slice", "move that face, that slice"},
     {"W S A D, PageUp PageDown", "move forward, back, left, right, up, down"},
     {"Q E", "roll"},
     {"arrows", "turn by 5 degrees"},
@@ -93,8 +93,8 @@ void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoi
             break;
         case Drag::Grip::clip: {
             const float half = 0.5f * picture.height;
-            drag_clip_face(session, picture, {state.clip_axis, state.clip_upper},
-                           static_cast<float>(dx) * half, -static_cast<float>(dy) * half);
+            drag_clip_face(session, picture, state.face, static_cast<float>(dx) * half,
+                           -static_cast<float>(dy) * half);
             break;
         }
         case Drag::Grip::look:  // the point under the pointer follows it
@@ -130,7 +130,7 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
         state.grip = grip_of(session, picture, io, ui);
         if (face && io.MouseDown[0]) {
             state.grip = Drag::Grip::clip;
-            state.clip_axis = face->axis, state.clip_upper = face->upper;
+            state.face = *face;
         }
         if (state.grip == Drag::Grip::window) session.values.begin_drag();
         state.last = at;

@@ -16,12 +16,18 @@ struct Rect {
     }
 };
 
+/// Face of a box, its axis, 0 to 2, and whether it is the upper one; or a layer's slice.
+struct Face {
+    int axis = 0;
+    bool upper = false;
+    int slice = -1;  ///< layer; -1: a face of the clip box
+};
+
 /// Drag that began in the picture, until the button is released.
 struct Drag {
     enum class Grip { none, rotate, pan, zoom, window, look, roll, split, clip } grip = Grip::none;
     ScreenPoint last;
-    int clip_axis = 0;  ///< of the face of the clip box that is dragged
-    bool clip_upper = false;
+    Face face{};  ///< that is dragged
 };
 
 /// Requests to the program around the session.

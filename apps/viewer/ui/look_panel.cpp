@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/clip_box.h"
 #include "ui/panels.h"
 
 namespace vog::viewer {
@@ -192,18 +193,111 @@ std::string choose_map(const std::string& shown, Gui& gui) {
     return chosen;
 }
 
+namespace {
+
+/// Two values of a layer in ascending order.
+/// step  of a pixel's drag
+bool drag_values(const char* name, double& first, double& second, double step) {
+    double ends[2] = {first, second};
+    const bool moved = ImGui::DragScalarN(name, ImGuiDataType_Double, ends, 2,
+                                          static_cast<float>(step), nullptr, nullptr, "%.4g");
+    if (!moved || !(ends[0] < ends[1])) return false;
+    first = ends[0], second = ends[1];
+    return true;
+}
+
+bool edit_opacity(const char* name, double& opacity, double least) {
+    auto shown = static_cast<float>(opacity);
+    if (!ImGui::SliderFloat(name, &shown, static_cast<float>(least), 1, "%.2f")) return false;
+    opacity = std::clamp(double{shown}, least, 1.0);
+    return true;
+}
+
+/// Bands, window or range of a layer, by which of them it has.
+bool edit_transfer(TransferRequest& transfer, Gui& gui, const std::string& layer) {
+    bool changed = false;
+    for (std::size_t n = 0; n < transfer.bands.size(); ++n) {
+        ValueBand& band = transfer.bands[n];
+        ImGui::PushID(static_cast<int>(n));
+        if (std::isfinite(band.upper))
+            changed |=
+                drag_values("band", band.lower, band.upper, 0.005 * (band.upper - band.lower));
+        mark(gui, layer + "-band-" + std::to_string(n + 1));
+        float rgb[3] = {band.r, band.g, band.b};
+        if (ImGui::ColorEdit3("##color", rgb,
+                              ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs))
+            band.r = rgb[0], band.g = rgb[1], band.b = rgb[2], changed = true;
+        ImGui::SameLine();
+        changed |= edit_opacity("opacity", band.opacity, 0);
+        mark(gui, layer + "-opacity-" + std::to_string(n + 1));
+        ImGui::PopID();
+    }
+    if (auto& window = transfer.window) {
+        double ends[2] = {window->first - 0.5 * window->second,
+                          window->first + 0.5 * window->second};
+        if (drag_values("window", ends[0], ends[1], 0.005 * window->second))
+            window.emplace(0.5 * (ends[0] + ends[1]), ends[1] - ends[0]), changed = true;
+        mark(gui, layer + "-window");
+    } else if (transfer.bands.empty() && !transfer.points.at_values && transfer.range) {
+        auto& [low, high] = *transfer.range;
+        double ends[2] = {low, high};
+        bool log = transfer.log.value_or(false);
+        if (drag_values("range", ends[0], ends[1], 0.005 * (high - low)) && !(log && ends[0] <= 0))
+            low = ends[0], high = ends[1], changed = true;
+        mark(gui, layer + "-range");
+        if (ImGui::Checkbox("log", &log) && (low > 0 || !log)) transfer.log = log, changed = true;
+        mark(gui, layer + "-log");
+    }
+    return changed;
+}
+
+/// What a layer has beside its eye.
+void draw_layer(Session& session, Gui& gui, std::size_t n, const std::string& name) {
+    Layer layer = session.layers()[n];
+    TransferRequest& transfer = layer.transfer;
+    bool changed = false;
+    if (!session.is_surface(n)) {
+        const std::string map = choose_map(transfer.points.points.name, gui);
+        if (!map.empty()) {
+            transfer.points = transfer_points(map);
+            transfer.window.reset(), transfer.bands.clear();
+            changed = true;
+        }
+        changed |= edit_transfer(transfer, gui, name);
+        if (changed && transfer.log) layer.fit = *transfer.log ? ScaleFit::log : ScaleFit::linear;
+    }
+    if (layer.plane) {
+        const auto [low, high] = slice_range(session, n);
+        const double least = low, most = high;
+        if (ImGui::SliderScalar("plane", ImGuiDataType_Double, &*layer.plane->offset, &least, &most,
+                                "%.4g"))
+            changed = true;
+        mark(gui, name + "-plane");
+    }
+    if (layer.plane || session.is_surface(n)) {
+        double opacity = layer.opacity.value_or(1);
+        if (edit_opacity("opacity", opacity, 0.01)) layer.opacity = opacity, changed = true;
+        mark(gui, name + "-opacity");
+    }
+    if (layer.color) {
+        auto& rgb = *layer.color;
+        changed |= ImGui::ColorEdit3("color", rgb.data(),
+                                     ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs);
+    }
+    if (changed) attempt(session, [&] { session.edit_layer(n, [&](Layer& to) { to = layer; }); });
+}
+
+}  // namespace
+
 void draw_layers(Session& session, Gui& gui) {
     for (std::size_t n = 0; n < session.layers().size(); ++n) {
-        const Layer layer = session.layers()[n];
         ImGui::PushID(static_cast<int>(n));
-        bool visible = layer.visible;
+        const std::string number = std::to_string(n + 1);
+        bool visible = session.layers()[n].visible;
         if (ImGui::Checkbox(session.layer_name(n).c_str(), &visible))
             session.set_layer_visible(n, visible);
-        mark(gui, "layer " + std::to_string(n + 1));
-        if (!session.is_surface(n)) {
-            const std::string map = choose_map(layer.transfer.points.points.name, gui);
-            if (!map.empty()) attempt(session, [&] { session.set_layer_map(n, map); });
-        }
+        mark(gui, "layer " + number);
+        if (visible) draw_layer(session, gui, n, "layer-" + number);
         ImGui::PopID();
     }
 }

@@ -46,7 +46,7 @@ void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& req
 void draw_quantity(Session& session, Gui& gui);
 /// Draws the colour section: map, opacity over the histogram, range, gamma, extinction.
 void draw_look(Session& session, Gui& gui, float ui);
-/// Draws the list of layers, each with an eye and a map.
+/// Draws the list of layers, each with an eye, and its map, range, bands or plane.
 void draw_layers(Session& session, Gui& gui);
 /// Draws the editor of the transfer function of values.
 void draw_values(Session& session, Gui& gui, float ui);
