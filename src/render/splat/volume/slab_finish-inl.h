@@ -86,6 +86,35 @@ HWY_INLINE V seen_share(D d, V high, V low, V of_high) {
     return hn::IfThenElse(mixed, hn::Div(seen, hn::Max(mean, thin)), one);
 }
 
+/// MeanLight::at of one pixel, from the first of its four entries.
+template <class D8>
+HWY_INLINE void table_at([[maybe_unused]] D8 d8, const float* upper, float right, float down,
+                         float* out) {
+    const float* lower = upper + std::ptrdiff_t{4} * device::MeanLight::kColumns;
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (hn::MaxLanes(D8()) == 8) {
+        // An entry and the next one in its row lie side by side.
+        const hn::Half<D8> d4;
+        const auto a = hn::LoadU(d8, upper), b = hn::LoadU(d8, lower);
+        const auto both = hn::MulAdd(hn::Set(d8, down), hn::Sub(b, a), a);
+        const auto left = hn::LowerHalf(d4, both);
+        const auto change = hn::Sub(hn::UpperHalf(d4, both), left);
+        return hn::Store(hn::MulAdd(hn::Set(d4, right), change, left), d4, out);
+    }
+#endif
+    const hn::CappedTag<float, 4> d4;
+    for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
+        const auto between = [&](const float* entry) {
+            const auto left = hn::LoadU(d4, entry + c);
+            return hn::MulAdd(hn::Set(d4, right), hn::Sub(hn::LoadU(d4, entry + 4 + c), left),
+                              left);
+        };
+        const auto above = between(upper);
+        hn::Store(hn::MulAdd(hn::Set(d4, down), hn::Sub(between(lower), above), above), d4,
+                  out + c);
+    }
+}
+
 /// Light of pairs, per unit of tau; of lanes that do not count, 0. Pixel by pixel: a pixel's four channels lie side by
 /// side in the table, and gathers of them took four times as long.
 /// cell  tau of a cell of such matter
@@ -95,7 +124,6 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     using Table = device::MeanLight;
     constexpr std::size_t kMost = TilePixels::kMaxLanes;
     const hn::RebindToSigned<D> di;
-    const hn::CappedTag<float, 4> d4;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const PairLanes<V> pair = normal_pair(d, m);
     // Both of the pair within four deviations of values that have light.
@@ -106,12 +134,12 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     counts = hn::And(counts,
                      hn::And(reaches(hn::Sub(set(light.first_seen), pair.high), pair.high_variance),
                              reaches(hn::Sub(pair.low, set(light.last_seen)), pair.low_variance)));
-    alignas(64) float out[4 * kMost] = {}, extinction[2][kMost] = {}, share[kMost], down[2][kMost],
-                              right[2][kMost];
+    alignas(64) float out[2][4 * kMost], down[2][kMost], right[2][kMost];
     alignas(64) std::int32_t column[2][kMost], row[2][kMost];
-    hn::Store(pair.of_high, d, share);
     alignas(8) std::uint8_t of_mask[8] = {};
     hn::StoreMaskBits(d, counts, of_mask);
+    for (auto& of_mean : out)
+        for (std::size_t c = 0; c < 4; ++c) hn::Store(hn::Zero(d), d, of_mean + c * hn::Lanes(d));
     unsigned bits = of_mask[0] | of_mask[1] << 8u;
     if (!light.table) {
         hn::Store(pair.high, d, right[0]);
@@ -120,12 +148,8 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
         hn::Store(hn::Sqrt(pair.low_variance), d, down[1]);
         for (; bits != 0; bits &= bits - 1) {
             const auto n = static_cast<std::size_t>(std::countr_zero(bits));
-            float high[4], low[4];
-            light.pieces.light(right[0][n], down[0][n], high);
-            light.pieces.light(right[1][n], down[1][n], low);
-            extinction[0][n] = high[3], extinction[1][n] = low[3];
-            for (std::size_t c = 0; c < 4; ++c)
-                out[4 * n + c] = low[c] + share[n] * (high[c] - low[c]);
+            for (std::size_t p = 0; p < 2; ++p)
+                light.pieces.light(right[p][n], down[p][n], out[p] + 4 * n);
         }
     } else {
         set_columns(d, light, pair.high, column[0], right[0]);
@@ -149,34 +173,17 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
         set_row(pair.low_variance, row[1], down[1]);
         for (; bits != 0; bits &= bits - 1) {
             const auto n = static_cast<std::size_t>(std::countr_zero(bits));
-            const float* upper[2] = {
-                light.table + 4 * static_cast<std::ptrdiff_t>(row[0][n] + column[0][n]),
-                light.table + 4 * static_cast<std::ptrdiff_t>(row[1][n] + column[1][n])};
-            for (std::size_t c = 0; c < 4; c += hn::Lanes(d4)) {
-                const auto at = [&](const float* p, float to_right, float under) {
-                    const auto across = hn::Set(d4, to_right);
-                    const auto a0 = hn::LoadU(d4, p + c), a1 = hn::LoadU(d4, p + 4 + c);
-                    const auto b0 = hn::LoadU(d4, p + 4 * Table::kColumns + c);
-                    const auto b1 = hn::LoadU(d4, p + 4 * Table::kColumns + 4 + c);
-                    const auto a = hn::MulAdd(across, hn::Sub(a1, a0), a0);
-                    const auto b = hn::MulAdd(across, hn::Sub(b1, b0), b0);
-                    return hn::MulAdd(hn::Set(d4, under), hn::Sub(b, a), a);
-                };
-                const auto high = at(upper[0], right[0][n], down[0][n]),
-                           low = at(upper[1], right[1][n], down[1][n]);
-                constexpr std::size_t kLast = hn::MaxLanes(d4) - 1;
-                extinction[0][n] = hn::ExtractLane(high, kLast);  // of the last of the four
-                extinction[1][n] = hn::ExtractLane(low, kLast);
-                hn::StoreU(hn::MulAdd(hn::Set(d4, share[n]), hn::Sub(high, low), low), d4,
-                           out + 4 * n + c);
-            }
+            for (std::size_t p = 0; p < 2; ++p)
+                table_at(hn::CappedTag<float, 8>(), light.table + 4 * (row[p][n] + column[p][n]),
+                         right[p][n], down[p][n], out[p] + 4 * n);
         }
     }
-    LightLanes<V> all;
-    hn::LoadInterleaved4(d, out, all.c[0], all.c[1], all.c[2], all.c[3]);
-    const V seen = seen_share(d, hn::Mul(cell, hn::Load(d, extinction[0])),
-                              hn::Mul(cell, hn::Load(d, extinction[1])), pair.of_high);
-    for (V& c : all.c) c = hn::Mul(c, seen);
+    LightLanes<V> all, high;
+    hn::LoadInterleaved4(d, out[0], high.c[0], high.c[1], high.c[2], high.c[3]);
+    hn::LoadInterleaved4(d, out[1], all.c[0], all.c[1], all.c[2], all.c[3]);
+    const V seen = seen_share(d, hn::Mul(cell, high.c[3]), hn::Mul(cell, all.c[3]), pair.of_high);
+    for (int c = 0; c < 4; ++c)
+        all.c[c] = hn::Mul(hn::MulAdd(pair.of_high, hn::Sub(high.c[c], all.c[c]), all.c[c]), seen);
     return all;
 }
 

@@ -240,6 +240,20 @@ HWY_INLINE void spread(D d, const device::BlinnPhong& look, const CellRays& rays
     for (int c = 0; c < 3; ++c) light.c[c] = hn::Min(hn::Mul(light.c[c], body), light.c[3]);
 }
 
+/// x^power, 0 < x <= 1; by products where the power is a small integer, to 1e-9.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V power_of(D d, V x, double power) {
+    auto left = static_cast<unsigned>(std::min(power, 255.0));
+    if (static_cast<double>(left) != power)
+        return hn::Exp(d, hn::Mul(hn::Set(d, static_cast<float>(power)), hn::Log(d, x)));
+    // Without numbers so small that arithmetic is slow.
+    const V least = hn::Set(d, 1e-9f);
+    V product = hn::Set(d, 1.0f);
+    for (; left != 0; left >>= 1, x = hn::Max(hn::Mul(x, x), least))
+        if (left % 2 != 0) product = hn::Mul(product, x);
+    return product;
+}
+
 /// BlinnPhong::shading, with the colours at most what is absorbed.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, const CellRays& rays,
@@ -269,11 +283,11 @@ HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, co
         one);
     const V body = hn::MulAdd(hn::Mul(set(look.diffuse), facing), reached.direct,
                               hn::Mul(set(look.ambient), reached.ambient));
-    const V power = hn::Exp(d, hn::Mul(set(look.power), hn::Log(d, hn::Max(mirrored, set(1e-6)))));
+    const V power = power_of(d, hn::Max(mirrored, set(1e-6)), look.power);
     const V shine = hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)),
                                        hn::Mul(hn::Mul(set(look.specular), power), reached.direct));
     LightLanes<V> plain = light;
-    spread(d, look, rays, n, reached, plain);
+    if (!hn::AllTrue(d, any)) spread(d, look, rays, n, reached, plain);
     for (int c = 0; c < 3; ++c) {
         const V shaded = hn::MulAdd(body, light.c[c], hn::Mul(shine, light.c[3]));
         light.c[c] = hn::IfThenElse(any, hn::Min(shaded, light.c[3]), plain.c[c]);
