@@ -6,6 +6,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "vog/camera.h"
 #include "vog/clip.h"
@@ -18,14 +19,24 @@ namespace vog {
 /// thick ones are lower than the largest within.
 inline constexpr int kVolumeSlabs = 32, kLitSlabs = 64, kMaximumSlabs = 128;
 
+/// A light infinitely far away.
+struct DirectionalLight {
+    /// Direction to it, of any length > 0: world, or right, up and towards the viewer; 0 0 0: the eye itself.
+    Vec3d towards{};
+    bool of_camera = false;  ///< whether it turns with the view: lights_in_view()
+    double strength = 1;     ///< factor of diffuse and specular light, >= 0
+    friend bool operator==(const DirectionalLight&, const DirectionalLight&) = default;
+};
+
 /// Light and clipping of a volume picture.
 struct VolumeLook {
     /// Shading of Blinn and Phong by the field's gradient; colour = (ambient + diffuse n.l) colour + specular (n.h)^power,
     /// at most 1, with the normal n towards the eye. Where the field has no gradient: the colour itself.
     /// Off: only emission and absorption.
     bool light = false;
-    Vec3d towards_light{};  ///< world, any length > 0; 0 0 0: the eye
-    bool studio = false;    ///< whether resolve() sets shadows, occlusion and kStudioOctaves
+    /// Lights of `light` or `shadows`, which add up, kMostDirectionalLights at most; none: one at the eye.
+    std::vector<DirectionalLight> lights{};
+    bool studio = false;  ///< whether resolve() sets shadows, occlusion and kStudioOctaves
     double ambient = 0.3, diffuse = 0.7, specular = 0.2, power = 20;  ///< weights >= 0; power > 0
     /// Whether what absorbs light on its way casts shadows: diffuse and specular light times exp(-optical depth towards the
     /// light). Colours without shading by the gradient are (ambient + diffuse exp(-depth)) / (ambient + diffuse) of theirs.
@@ -40,7 +51,8 @@ struct VolumeLook {
     /// surface is shaded, times (1 - g^2) / (1 + g^2 - 2 g c)^1.5, c the cosine of the angle that it turns by, at most white.
     /// Above 0 it is scattered forward. Source: Henyey and Greenstein, Astrophysical Journal 93, 1941.
     double asymmetry = 0;
-    Clipping clip{};  ///< space that is shown; exact on every ray
+    Clipping clip{};          ///< space that is shown; exact on every ray
+    bool clip_lights = true;  ///< whether clips also cut what absorbs light on its way
 
     /// Whether light changes with the place: it shows the thickness of slabs.
     bool is_lit() const { return light || shadows || occlusion || studio; }
@@ -50,8 +62,13 @@ struct VolumeLook {
 Vec3d studio_light(const Camera& camera);
 /// Octaves that change a picture: further ones have next to no weight.
 inline constexpr int kMostOctaves = 16, kStudioOctaves = 3;
-/// throws  vog::Error for an invalid clip, weights that are negative or not finite, a power that is not > 0, octaves off
-///         [1, kMostOctaves], an asymmetry off (-1, 1)
+inline constexpr int kMostDirectionalLights = 8;
+/// Lights of a look, at least one.
+std::vector<DirectionalLight> lights_of(const VolumeLook& look);
+/// Lights that turn with the view as directions of the world.
+VolumeLook lights_in_view(VolumeLook look, const CameraFrame& frame);
+/// throws  vog::Error for an invalid clip, weights and strengths that are negative or not finite, a power that is not > 0, octaves off
+///         [1, kMostOctaves], an asymmetry off (-1, 1), too many lights
 void validate(const VolumeLook& look);
 
 /// Light over a background, colours as displayed. A transparent background (a = 0) keeps alpha: as in every

@@ -27,9 +27,11 @@ class Scale(NamedTuple):
 
 
 class Light(NamedTuple):
-    """Light of volume pictures, for the keyword light of render(): one value instead of several keywords.
+    """Light of volume pictures, for the keyword light of render(): one value instead of several keywords, or several in a list.
 
     towards            direction of the world towards the light, 3 numbers; None: the upper left of the view, or the eye with surfaces
+    camera             towards is right, up and towards the viewer, and turns with the view
+    strength           factor of its light; lights add up
     shadows            matter absorbs light on its way
     ambient_occlusion  matter absorbs ambient light
     scattering         octaves of multiple scattering, 1 to 16, which brighten shadows
@@ -40,6 +42,9 @@ class Light(NamedTuple):
     >>> sun = vog.Light((1, 2, 1), ambient_occlusion=True, scattering=3)
     >>> vog.render(vog.sample_cloud(64), size=64, show="volume", light=sun).request["light_from"]
     [1.0, 2.0, 1.0]
+    >>> fill = vog.Light((-1, 0, 1), camera=True, strength=0.3)
+    >>> vog.render(vog.sample_cloud(64), size=64, show="volume", light=[vog.Light((1, 2, 1)), fill]).request["light_from"]
+    [[1.0, 2.0, 1.0], 'camera:-1,0,1=0.3']
     """
 
     towards: "Optional[Sequence[float]]" = None
@@ -49,13 +54,34 @@ class Light(NamedTuple):
     surfaces: bool = False
     weights: "Optional[Sequence[float]]" = None
     asymmetry: float = 0
+    strength: float = 1
+    camera: bool = False
 
     def _members(self) -> "Dict[str, Any]":
         parts: "Dict[str, Any]" = {"shadows": self.shadows or None, "ambient_occlusion": self.ambient_occlusion or None, "light_weights": self.weights}
         parts["scattering"] = None if self.scattering == 1 else self.scattering
         parts["asymmetry"] = self.asymmetry or None
-        towards = "head" if self.surfaces and self.towards is None else self.towards
-        return {**parts, "light" if self.surfaces else "light_from": towards}
+        return {**parts, "light" if self.surfaces else "light_from": self._word()}
+
+    def _word(self) -> Any:
+        """The light alone, as requests have it."""
+        if not self.camera and self.strength == 1:
+            return "head" if self.surfaces and self.towards is None else self.towards
+        if self.towards is None and not self.surfaces:
+            raise _vog.Error("Light: camera and strength without a direction; expected towards=(x, y, z)")
+        towards = "head" if self.towards is None else ("camera:" if self.camera else "") + ",".join(f"{float(v)!r}" for v in self.towards)
+        return f"{towards}={float(self.strength)!r}"
+
+
+def _all_lights(call: str, lights: "Sequence[Any]") -> "Dict[str, Any]":
+    """Members for several lights, which have the other parts of a look in common."""
+    if any(not isinstance(light, Light) for light in lights):
+        raise _vog.Error(f"{call}: light: expected a list of vog.Light, or of directions and texts")
+    key, first = "light" if lights[0].surfaces else "light_from", lights[0]._members()
+    for light in lights:
+        if {**light._members(), key: None} != {**first, key: None}:
+            raise _vog.Error(f"{call}: lights of one picture differ only in towards, camera and strength")
+    return {**first, key: [light._word() for light in lights]}
 
 
 class Layer:
@@ -126,8 +152,8 @@ def _plain(value: Any, key: str, nested: bool = False) -> Any:
 def _json(call: str, request: "Dict[str, Any]", known: "Sequence[str]" = (*_MEMBERS, "camera")) -> str:
     _messages.refuse_unknown(call, request, known)
     light = request.get("light")
-    if isinstance(light, Light):
-        parts = light._members()
+    if isinstance(light, Light) or (isinstance(light, list) and any(isinstance(one, Light) for one in light)):
+        parts = light._members() if isinstance(light, Light) else _all_lights(call, light)
         twice = [key for key in parts if key != "light" and request.get(key) is not None]
         if twice:
             raise _vog.Error(f"{call}: {twice[0]} beside a vog.Light, which has it")

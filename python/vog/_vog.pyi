@@ -514,15 +514,15 @@ def render(
     units: Optional[str] = ..., least_column: Optional[float] = ..., tf: Optional[_Map] = ..., extinction: Optional[_Extinction] = ...,
     background: Optional[Union[str, _Vector]] = ..., blend: Optional[bool] = ..., window: Optional[ArrayLike] = ...,
     bands: Optional[Sequence[Any]] = ..., threshold: Optional[float] = ..., unit_distance: Optional[float] = ...,
-    light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ..., light_from: Optional[ArrayLike] = ...,
+    light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ..., light_from: Optional[Union[str, ArrayLike]] = ...,
     ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ..., asymmetry: Optional[float] = ...,
     light_weights: Optional[ArrayLike] = ..., slabs: Optional[int] = ..., precision: Optional[float] = ...,
-    layers: Optional[Sequence[dict[str, Any]]] = ..., clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ...,
-    plane: Optional[ArrayLike] = ..., thickness: Optional[float] = ..., color_bar: Optional[bool] = ..., axes: Optional[bool] = ...,
-    scale_bar: Optional[bool] = ..., title: Optional[str] = ..., renderer: Optional[str] = ..., pixel_error: Optional[float] = ...,
-    kappa: Optional[float] = ..., aabb_sigma: Optional[float] = ..., interpolation: Optional[str] = ..., step: Optional[float] = ...,
-    samples: Optional[int] = ..., anyhit: Optional[str] = ..., hits_per_slab: Optional[int] = ...,
-    stop_transmittance: Optional[float] = ...,
+    layers: Optional[Sequence[dict[str, Any]]] = ..., clip: Optional[ArrayLike] = ..., clip_lights: Optional[bool] = ...,
+    clip_planes: Optional[ArrayLike] = ..., plane: Optional[ArrayLike] = ..., thickness: Optional[float] = ...,
+    color_bar: Optional[bool] = ..., axes: Optional[bool] = ..., scale_bar: Optional[bool] = ..., title: Optional[str] = ...,
+    renderer: Optional[str] = ..., pixel_error: Optional[float] = ..., kappa: Optional[float] = ..., aabb_sigma: Optional[float] = ...,
+    interpolation: Optional[str] = ..., step: Optional[float] = ..., samples: Optional[int] = ..., anyhit: Optional[str] = ...,
+    hits_per_slab: Optional[int] = ..., stop_transmittance: Optional[float] = ...,
 ) -> Picture: ...
 
 class PictureDifference:
@@ -602,9 +602,10 @@ def export_html(
     tf: Optional[_Map] = ..., extinction: Optional[_Extinction] = ..., background: Optional[Union[str, _Vector]] = ...,
     blend: Optional[bool] = ..., window: Optional[ArrayLike] = ..., bands: Optional[Sequence[Any]] = ..., threshold: Optional[float] = ...,
     unit_distance: Optional[float] = ..., light: Optional[Union[str, ArrayLike]] = ..., shadows: Optional[bool] = ...,
-    light_from: Optional[ArrayLike] = ..., ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ...,
+    light_from: Optional[Union[str, ArrayLike]] = ..., ambient_occlusion: Optional[bool] = ..., scattering: Optional[int] = ...,
     asymmetry: Optional[float] = ..., light_weights: Optional[ArrayLike] = ..., slabs: Optional[int] = ...,
-    precision: Optional[float] = ..., clip: Optional[ArrayLike] = ..., clip_planes: Optional[ArrayLike] = ...,
+    precision: Optional[float] = ..., clip: Optional[ArrayLike] = ..., clip_lights: Optional[bool] = ...,
+    clip_planes: Optional[ArrayLike] = ...,
 ) -> dict[str, int]: ...
 def export_splats(
     model: Gaussians,

@@ -35,6 +35,19 @@ Vec3d studio_light(const Camera& camera) {
     return normalized(-0.6 * frame.right + 0.9 * frame.up - 0.6 * frame.forward);
 }
 
+std::vector<DirectionalLight> lights_of(const VolumeLook& look) {
+    return look.lights.empty() ? std::vector<DirectionalLight>(1) : look.lights;
+}
+
+VolumeLook lights_in_view(VolumeLook look, const CameraFrame& frame) {
+    for (auto& [to, of_camera, strength] : look.lights)
+        if (of_camera) {
+            to = to.x * frame.right + to.y * frame.up - to.z * frame.forward;
+            of_camera = false;
+        }
+    return look;
+}
+
 void validate(const VolumeLook& look) {
     validate(look.clip);
     const auto require = [](const char* name, double value, bool valid) {
@@ -52,11 +65,15 @@ void validate(const VolumeLook& look) {
     if (!(look.asymmetry > -1 && look.asymmetry < 1))
         throw Error(fmt::format("light: asymmetry {} of scattering, expected between -1 and 1",
                                 look.asymmetry));
-    for (int axis = 0; axis < 3; ++axis)
-        if (!std::isfinite(look.towards_light[axis]))
-            throw Error(fmt::format("light: direction {},{},{}, expected finite numbers",
-                                    look.towards_light.x, look.towards_light.y,
-                                    look.towards_light.z));
+    if (look.lights.size() > kMostDirectionalLights)
+        throw Error(fmt::format("light: {} lights, expected {} at most", look.lights.size(),
+                                kMostDirectionalLights));
+    for (const auto& [to, of_camera, strength] : look.lights) {
+        require("strength", strength, strength >= 0);
+        if (!std::isfinite(dot(to, to)))
+            throw Error(fmt::format("light: direction {},{},{}, expected finite numbers", to.x,
+                                    to.y, to.z));
+    }
 }
 
 }  // namespace vog

@@ -37,7 +37,7 @@ inline Clipping option_clip(const Gaussians& model) {
 inline VolumeLook option_look(const Gaussians& model) {
     VolumeLook look;
     look.light = true;
-    look.towards_light = {0.3, 1, 0.2};
+    look.lights = {{{0.3, 1, 0.2}}};
     look.clip = option_clip(model);
     return look;
 }

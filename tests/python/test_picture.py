@@ -209,6 +209,9 @@ def test_recolor_refuses_what_is_to_be_drawn(gas):
         (vog.Light(scattering=4, ambient_occlusion=True, asymmetry=0.5), {"shadows": True, "scattering": 4, "ambient_occlusion": True, "asymmetry": 0.5}),
         (vog.Light((1, 2, 3), surfaces=True, weights=(0.1, 0.8, 0.2, 9)), {"light": (1, 2, 3), "shadows": True, "light_weights": (0.1, 0.8, 0.2, 9)}),
         (vog.Light(surfaces=True, shadows=False), {"light": "head"}),
+        (vog.Light((0, 1, 1), camera=True, strength=0.5), {"shadows": True, "light_from": "camera:0,1,1=0.5"}),
+        ([vog.Light((1, 2, 3)), vog.Light((0, 1, 1), camera=True, strength=0.3)], {"shadows": True, "light_from": [(1, 2, 3), "camera:0,1,1=0.3"]}),
+        ([vog.Light(surfaces=True, shadows=False), vog.Light((1, 0, 0), surfaces=True, shadows=False)], {"light": ["head", (1, 0, 0)]}),
     ],
 )
 def test_a_light_is_the_members_of_its_parts(gas, light, members):
@@ -223,6 +226,11 @@ def test_bad_lights_are_refused(gas):
         (vog.Light((0, 0, 0)), "light_from"),
         (vog.Light((1, 2, 3), scattering=99), "scattering"),
         (vog.Light((1, 2, 3), shadows=False), "light_from"),
+        (vog.Light((1, 2, 3), strength=-1), "a finite strength, 0 or more"),
+        (vog.Light(strength=2), "expected towards"),
+        ([vog.Light((1, 2, 3)), vog.Light((1, 2, 3), scattering=2)], "differ only in towards, camera and strength"),
+        ([vog.Light((1, 2, 3)), "head"], "expected a list of vog.Light"),
+        (["head"] * 9, "8 at most"),
     ]:
         with pytest.raises(vog.Error, match=message):
             vog.render(gas, size=16, show="volume", field="density", light=light)

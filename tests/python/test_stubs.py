@@ -88,7 +88,7 @@ def type_of(key):
         return "_Extinction"
     if choices or takes in ("NAME", "UNIT", "TEXT"):
         return "str"
-    if not takes:
+    if takes in ("", "0|1"):
         return "bool"
     if takes in ("N", "OCTAVES"):
         return "int"

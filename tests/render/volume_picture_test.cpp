@@ -355,12 +355,12 @@ TEST(volume_picture, light_shades_by_the_gradient) {
     expect_near(one_pixel(volume, own(), transfer, camera, look),
                 rgba(0.8 * 0.5 + 0.1, 0.8 * 0.25 + 0.1, 0.1, 1), 2e-6);
     // 60 degrees off: half the diffuse light; the half vector is 30 degrees off.
-    look.towards_light = {-0.5, 0, std::sqrt(0.75)};
+    look.lights = {{{-0.5, 0, std::sqrt(0.75)}}};
     const double shine = 0.1 * std::pow(std::cos(std::acos(-1.0) / 6), look.power);
     expect_near(one_pixel(volume, own(), transfer, camera, look),
                 rgba(0.5 * 0.5 + shine, 0.5 * 0.25 + shine, shine, 1), 2e-6);
     // From behind: ambient alone. Inside, without a gradient: the colour itself.
-    look.towards_light = {1, 0, 0};
+    look.lights = {{{1, 0, 0}}};
     expect_near(one_pixel(volume, own(), transfer, camera, look), rgba(0.1, 0.05, 0, 1), 2e-6);
     look.clip.planes = {{{1, 0, 0}, 0.5}};
     expect_near(one_pixel(volume, own(), transfer, camera, look), rgba(0.5, 0.25, 0, 1), 2e-6);

@@ -290,7 +290,7 @@ TEST_F(quantity_gl, volumes_by_value_are_the_cpus) {
         band_transfer({{middle, field.upper, 1, 0.6f, 0.2f, 0.9}}, 4));
     VolumeLook plain, lit, aside, shadowed, all, clipped;
     lit.light = aside.light = all.light = true;
-    aside.towards_light = shadowed.towards_light = all.towards_light = {1, 2, -1};
+    aside.lights = shadowed.lights = all.lights = {{{1, 2, -1}}};
     shadowed.shadows = all.shadows = all.occlusion = true;
     clipped.clip = middle_of(model);
     for (const View& view : views(model))
@@ -340,7 +340,7 @@ TEST_F(quantity_gl, edits_under_one_camera_draw_no_gaussians) {
     };
     VolumeLook lit, aside, clipped;
     lit.light = aside.light = true;
-    aside.towards_light = {1, 2, -1};
+    aside.lights = {{{1, 2, -1}}};
     clipped.clip = middle_of(model);
     const Camera camera = paper_view(view_box(model));
     const auto of = [&](const ValueTransfer& transfer, const VolumeLook& look = {},

@@ -163,4 +163,27 @@ TEST(trackball, an_orthographic_camera_zooms_about_the_pointer_and_pans) {
     EXPECT_NEAR(dot(moved.eye - camera.eye, f.right), -0.5 * half, 1e-9);
 }
 
+TEST(trackball, a_dragged_light_lies_where_the_pointer_is) {
+    const Camera camera = some_camera();
+    const CameraFrame frame = frame_of(camera, 1, 1);
+    for (const bool of_camera : {false, true}) {
+        DirectionalLight light{{}, of_camera, 0.5};
+        EXPECT_EQ(light_place(light, camera).x, 0);
+        ScreenPoint at{0, 0};
+        for (const ScreenPoint by : {ScreenPoint{0.3, 0.1}, {-0.6, 0.2}, {0.1, -0.7}}) {
+            light = dragged(light, camera, by);
+            at = {at.x + by.x, at.y + by.y};
+            EXPECT_NEAR(light_place(light, camera).x, at.x, 1e-9);
+            EXPECT_NEAR(light_place(light, camera).y, at.y, 1e-9);
+            EXPECT_NEAR(length(light.towards), 1, 1e-12);
+        }
+        // Half of the way to the rim is beside the data; the rim is behind.
+        light = dragged(light, camera, {0.5 * kLightRim - at.x, -at.y});
+        expect_near(light.towards, of_camera ? Vec3d{1, 0, 0} : frame.right, 1e-9);
+        light = dragged(light, camera, {2, 0});
+        expect_near(light.towards, of_camera ? Vec3d{0, 0, -1} : frame.forward, 1e-9);
+        EXPECT_EQ(light.strength, 0.5);
+    }
+}
+
 }  // namespace vog::test

@@ -79,9 +79,10 @@ TEST(value_edit, presets_are_valid) {
 
 TEST(value_edit, a_drag_is_one_step_of_the_history) {
     ValueHistory history;
+    std::vector<DirectionalLight> lights;
     EXPECT_FALSE(history.now());
     history.begin(sample_transfer());
-    history.undo();
+    history.undo(lights);
     EXPECT_EQ(*history.now(), sample_transfer());
     history.begin_drag();
     for (const double shift : {1.0, 2.0, 3.0})
@@ -89,19 +90,43 @@ TEST(value_edit, a_drag_is_one_step_of_the_history) {
     history.end_drag();
     history.change(windowed(sample_transfer(), 7, 1));
     const auto kept = history.now();
-    history.undo();
+    history.undo(lights);
     EXPECT_EQ(*history.now(), windowed(sample_transfer(), 3, 1));
-    history.undo();
+    history.undo(lights);
     EXPECT_EQ(*history.now(), sample_transfer());
     EXPECT_FALSE(history.can_undo());
-    history.redo();
-    history.redo();
+    history.redo(lights);
+    history.redo(lights);
     EXPECT_EQ(history.now(), kept);
     EXPECT_FALSE(history.can_redo());
     // Another edit forgets what was undone.
-    history.undo();
+    history.undo(lights);
     history.change(sample_transfer());
     EXPECT_FALSE(history.can_redo());
+}
+
+TEST(value_edit, drags_of_a_light_are_steps_beside_those_of_values) {
+    ValueHistory history;
+    history.begin(sample_transfer());
+    std::vector<DirectionalLight> lights;
+    history.begin_drag();
+    for (const double x : {1.0, 2.0, 3.0}) {
+        history.change_lights(lights);
+        lights = {{{x, 0, 1}}};
+    }
+    history.end_drag();
+    const auto dragged = lights;
+    history.change(windowed(sample_transfer(), 7, 1));
+    history.undo(lights);
+    EXPECT_EQ(*history.now(), sample_transfer());
+    EXPECT_EQ(lights, dragged);
+    history.undo(lights);
+    EXPECT_TRUE(lights.empty());
+    EXPECT_FALSE(history.can_undo());
+    history.redo(lights);
+    history.redo(lights);
+    EXPECT_EQ(lights, dragged);
+    EXPECT_EQ(*history.now(), windowed(sample_transfer(), 7, 1));
 }
 
 TEST(value_edit, a_written_transfer_function_is_read_again) {

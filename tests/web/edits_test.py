@@ -24,9 +24,9 @@ class Edits(QuantityTest):
             first = {"show": "volume", "transfers": {"0": RAMP}, "light": light, "camera": camera}
             self.change(panel=True, **first)
             edits = [{"transfers": {"0": {**RAMP, "unit": 4}}}, {"transfers": {"0": {**STEP, "opacity": [[0.9, 0], [0.95, 0.8], [1, 0]]}}}]
-            edits += [{"light": {**light, "shadows": True, "towards": [3, 1, -2]}}, {"light": {**light, "shadows": True, "occlusion": True, "towards": [1, 2, 3]}}]
+            edits += [{"light": {**light, "shadows": True, "lights": [{"towards": [3, 1, -2], "ofCamera": False, "strength": 1}]}}, {"light": {**light, "shadows": True, "occlusion": True, "lights": [{"towards": [1, 2, 3], "ofCamera": False, "strength": 1}]}}]
             if lit:
-                edits += [{"light": {**light, "towards": [1, 2, 3]}}, {"light": {**light, "weights": [0.5, 0.5, 0.2, 8]}}]
+                edits += [{"light": {**light, "lights": [{"towards": [1, 2, 3], "ofCamera": False, "strength": 1}]}}, {"light": {**light, "weights": [0.5, 0.5, 0.2, 8]}}]
             drawn, pictures = self.value("vog.draws()"), []
             for edit in edits:
                 self.change(**edit)

@@ -241,13 +241,13 @@ class Exploring(PageTest):
     # --- The clip box. ---
 
     def dots(self):
-        return self.value("""[...document.querySelectorAll('#handles .grip')].map((c) => {
+        return self.value("""[...document.querySelectorAll('#handles g .grip')].map((c) => {
             const b = c.getBoundingClientRect();
             return c.hasAttribute('hidden') ? null : [b.left + b.width / 2, b.top + b.height / 2]; })""")
 
     def test_faces_of_the_clip_are_dragged_by_mouse_and_touch(self):
         self.start("two.html")
-        self.assertTrue(self.value("document.getElementById('handles').hasAttribute('hidden')"))
+        self.assertTrue(self.value("document.querySelector('#handles g').hasAttribute('hidden')"))
         self.value("document.getElementById('clip-row').open = true; new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
         center, half = self.value("vog.page.models[0].box.center"), self.value("vog.page.models[0].box.half")
         for lens in ({"span": 0}, {"span": 4}):
@@ -292,6 +292,29 @@ class Exploring(PageTest):
         self.value("vog.change({camera: {...vog.state.camera, eye: vog.page.models[0].box.center.map((c, k) => c + (k === 2 ? 5 : 0)),"
                    " at: vog.page.models[0].box.center, up: [0, 1, 0], span: 4}})")
         self.assertEqual([dot is None for dot in self.dots()], [False] * 4 + [True] * 2)
+
+    # --- The light. ---
+
+    def test_the_light_is_dragged_by_its_sphere_and_by_hand(self):
+        self.start("two.html", "#subframes=1&show=volume&field=heat&shadows&light_from=0,0,1")
+        sphere = """(() => { const c = document.querySelector('#handles > .grip'), b = c.getBoundingClientRect();
+            return c.hasAttribute('hidden') ? null : [b.left + b.width / 2, b.top + b.height / 2]; })()"""
+        before, camera, place = self.value("vog.state.light.lights[0].towards"), self.value("vog.state.camera"), self.value(sphere)
+        to = [place[0] + 40, place[1] + 25]
+        self.browser.drag(*place, *to)
+        self.assertEqual(self.value("vog.state.camera"), camera, "the view stays")
+        after = self.value("vog.state.light.lights[0].towards")
+        self.assertAlmostEqual(math.hypot(*after), 1, delta=1e-3)
+        self.assertLess(math.dist(self.value(sphere), to), 1.5)
+        # In links; undone and done again.
+        self.assertIn("light_from=" + ",".join(f"{v:g}" for v in after), self.value("vog.link()"))
+        self.value("document.getElementById('undo').click()")
+        self.assertEqual(self.value("vog.state.light.lights[0].towards"), before)
+        self.value("document.getElementById('redo').click()")
+        self.assertEqual(self.value("vog.state.light.lights[0].towards"), after)
+        # A light without shadows or surfaces has none.
+        self.value("vog.change({light: {...vog.state.light, shadows: false}})")
+        self.assertIsNone(self.value(sphere))
 
     # --- The worker. ---
 

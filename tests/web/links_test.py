@@ -72,7 +72,7 @@ class Links(NodeTest):
         self.assertEqual(changed(*views), [[True, False]] * len(views))
         others = ("{field: 0}", "{show: 'mean'}", "{show: 'maximum'}", "{show: 'T'}", "{part: 'x'}", "{light: {...state.light, on: false}}", "{parts: 2}", "{slabs: 64}")
         self.assertEqual(changed(*others), [[False, True]] * len(others))
-        after = ("{transfers: {}}", "{light: {...state.light, towards: [1, 2, 3]}}", "{map: 'gray'}", "{exposure: 2}", "{scale: {low: 0, high: 1, log: true}}", "{fade: true}",
+        after = ("{transfers: {}}", "{light: {...state.light, lights: [{towards: [1, 2, 3], ofCamera: false, strength: 1}]}}", "{map: 'gray'}", "{exposure: 2}", "{scale: {low: 0, high: 1, log: true}}", "{fade: true}",
                  "{reverse: true}", "{logAxis: true}", "{panel: false}")
         self.assertEqual(changed(*after), [[False, False]] * len(after))
         # T and column, mean and deviation share theirs.
@@ -123,8 +123,17 @@ class Links(NodeTest):
         self.assertEqual([light[key] for key in ("on", "shadows", "occlusion", "scattering")], [False, True, True, 3])
         camera = self.value("state.camera")
         view = [a - e for a, e in zip(camera["at"], camera["eye"])]
-        self.assertAlmostEqual(sum(t * v for t, v in zip(light["towards"], view)) / math.hypot(*view), -0.6 / math.hypot(0.6, 0.9, 0.6), delta=2e-4)
-        self.assertEqual(self.state("#show=volume&light=studio", '{"show": "volume"}')["light"], {**light, "shadows": False, "occlusion": False, "scattering": 1, "towards": [0] * 3})
+        self.assertAlmostEqual(sum(t * v for t, v in zip(light["lights"][0]["towards"], view)) / math.hypot(*view), -0.6 / math.hypot(0.6, 0.9, 0.6), delta=2e-4)
+        self.assertEqual(self.state("#show=volume&light=studio", '{"show": "volume"}')["light"], {**light, "shadows": False, "occlusion": False, "scattering": 1, "lights": []})
+
+    def test_lights_have_directions_of_the_world_or_the_view_and_strengths(self):
+        lights = self.state('#show=volume&light=[1,2,3],"head=0.3","camera:0,1,-2e-1"')["light"]["lights"]
+        self.assertEqual(lights, [{"towards": [1, 2, 3], "ofCamera": False, "strength": 1}, {"towards": [0, 0, 0], "ofCamera": False, "strength": 0.3},
+                                  {"towards": [0, 1, -0.2], "ofCamera": True, "strength": 1}])
+        for words in ("head=-1", "head=", "1,2", "camera:head", "camera:0,0,0", "1,2,3=1=2", '[1,2,3],"moon"', '[1,2,3],"studio"', ",".join(["[1,2,3]"] * 9)):
+            self.state(f"#show=volume&light={words}")
+            self.assertEqual(len(self.value("problems")), 1, words)
+            self.assertIn("light ", self.value("problems[0]"))
 
     def test_members_of_shadows_are_refused_without_them(self):
         for words in ("light_from=1,2,3", "scattering=3", "asymmetry=0.5", "shadows&light=head&light_from=1,2,3"):
@@ -136,6 +145,7 @@ class Links(NodeTest):
         written = "writeLink(page, state, {scale: automaticScale(page.models, state, state.scale?.log), size: [40, 80], background: [1, 1, 1, 1], streamed: false})"
         for begun in ("#show=mean&field=heat&tf=viridis&range=290,300", "#show=volume&field=heat&light=1,2,3&light_weights=0.1,0.2,0.3,4", "#blend&exposure=2",
                       "#show=volume&shadows&light_from=1,2,3&scattering=2&asymmetry=0.4", "#show=volume&light=head&shadows&ambient_occlusion", "#show=volume&light=studio",
+                      '#show=volume&shadows&light_from="1,2,3=0.5",[3,0,1],"camera:0,1,1=0.4"', '#show=volume&light=[1,2,3],"head=0.3"', "#show=volume&light=camera:-1,0,2",
                       '#show=volume&tf={"domain":[0,1],"unit_distance":2,"colors":[[0,1,0,0],[1,1,1,1]],"opacity":[[0,0],[1,1]]}',
                       "#show=column&clip=0,0,0,1,2,3&clip_planes=1,2,3,4&planes_off=[[0,1,0,0.5]]&camera.orthographic_width=7",
                       '#show=column&tf={"name":"two","colors":[[0,0.5,0,0],[1,1,1,1]]}'):

@@ -18,7 +18,7 @@ bool is_setting(const std::string& key) {
     static const std::set<std::string> keys{
         "least_column",  "light_weights",      "scattering", "asymmetry",
         "kappa",         "aabb_sigma",         "step",       "anyhit",
-        "hits_per_slab", "stop_transmittance", "precision"};
+        "hits_per_slab", "stop_transmittance", "precision",  "clip_lights"};
     return keys.contains(key);
 }
 
@@ -28,7 +28,7 @@ std::string option_of(const std::string& key) {
     const auto member = std::ranges::find(all, key, &RequestMember::key);
     const bool many = member != all.end() && member->many;
     if (key == "clip_planes") return "--clip";
-    std::string name = many ? key.substr(0, key.size() - 1) : key;
+    std::string name = many && key.ends_with('s') ? key.substr(0, key.size() - 1) : key;
     std::ranges::replace(name, '_', '-');
     return is_setting(key) ? setting(name) : "--" + name;
 }

@@ -115,22 +115,24 @@ void GlSlabs::set_light(const GlVolume& volume) {
 
 void GlSlabs::set_reached(const GlVolume& volume, const CameraFrame& frame) {
     if (!reached_.update(lights_, {*volume.gaussians, *volume.values, light_},
-                         volume.picture.request.look, frame.forward))
+                         lights_in_view(volume.picture.request.look, frame), frame.forward))
         return;
     const device::LightLattice lattice = (*reached_).lattice();
     if (!lattice.any()) return;
     const auto count = static_cast<std::size_t>(lattice.size[0]) *
                        static_cast<std::size_t>(lattice.size[1]) *
                        static_cast<std::size_t>(lattice.size[2]);
-    std::vector<std::array<float, 3>> texels(count);
-    for (std::size_t n = 0; n < count; ++n)
+    const auto lights = std::max<std::size_t>((*reached_).direct().size() / count, 1);
+    std::vector<std::array<float, 3>> texels(lights * count);
+    for (std::size_t n = 0; n < texels.size(); ++n)
         texels[n] = {lattice.direct ? lattice.direct[n] : 1,
-                     lattice.ambient ? lattice.ambient[n] : 1,
-                     lattice.opaque ? lattice.opaque[n] : 0};
+                     lattice.ambient ? lattice.ambient[n % count] : 1,
+                     lattice.opaque ? lattice.opaque[n % count] : 0};
     glActiveTexture(GL_TEXTURE0 + kReachedUnit);
     glBindTexture(GL_TEXTURE_3D, reached_texture_);
-    glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB16F, lattice.size[0], lattice.size[1], lattice.size[2], 0,
-                 GL_RGB, GL_FLOAT, texels.front().data());
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB16F, lattice.size[0], lattice.size[1],
+                 static_cast<int>(lights) * lattice.size[2], 0, GL_RGB, GL_FLOAT,
+                 texels.front().data());
     for (const GLenum side : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
         glTexParameteri(GL_TEXTURE_3D, side, GL_CLAMP_TO_EDGE);
     glActiveTexture(GL_TEXTURE0);
@@ -215,13 +217,20 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     const double lengths = frame.orthographic ? volume.model->unit() : 1;
     program.set("pixels_per_unit", f(lengths * frame.pixels_per_unit));
     program.set("parallel", frame.orthographic ? 1.0f : 0.0f);
-    const device::BlinnPhong look = by_value::blinn_phong(volume.picture.request.look);
+    const device::BlinnPhong look =
+        by_value::blinn_phong(lights_in_view(volume.picture.request.look, frame));
     program.set("lighting", f(look.ambient), f(look.diffuse), f(look.specular),
                 look.on ? f(look.power) : 0);
     program.set("asymmetry", f(look.asymmetry));
-    const Vec3d to{look.towards_light.x, look.towards_light.y, look.towards_light.z};
-    program.set("towards_light",
-                Vec3d{dot(to, frame.right), dot(to, frame.up), dot(to, frame.forward)});
+    program.set("light_count", look.lights);
+    std::array<std::array<float, 4>, device::kMostLights> lights{}, reaches{};
+    for (std::size_t n = 0; n < lights.size(); ++n) {
+        const auto& [towards, strength] = look.light[n];
+        const Vec3d to{towards.x, towards.y, towards.z};
+        lights[n] = {f(dot(to, frame.right)), f(dot(to, frame.up)), f(dot(to, frame.forward)),
+                     f(strength)};
+    }
+    program.set("lights", lights);
     const device::LightLattice lattice = (*reached_).lattice();
     program.set("reached", kReachedUnit);
     program.set("reaches", lattice.any() ? 1.0f : 0.0f);
@@ -237,9 +246,18 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
                                                      lattice.first.z - half}));
     const double unit = volume.model->unit();
     program.set("reach_edge", f(1 / (lattice.per_edge * unit)));
-    const double towards = double{device::LightLattice::kTowardsLight} / lattice.per_edge;
-    program.set("reach_light",
-                place(towards * Vec3d{lattice.towards.x, lattice.towards.y, lattice.towards.z}));
+    const auto towards = [&](const device::Double3& direction) {
+        const double cells = double{device::LightLattice::kTowardsLight} / lattice.per_edge;
+        return place(cells * Vec3d{direction.x, direction.y, direction.z});
+    };
+    for (std::size_t n = 0; n < reaches.size(); ++n) {
+        const Vec3f to = vec_cast<float>(towards(lattice.towards[n]));
+        reaches[n] = {to.x, to.y, to.z, 0};
+    }
+    program.set("reach_light", reaches);
+    program.set("reach_middle", towards(lattice.middle));
+    program.set("reach_layers", f(std::max(lattice.direct ? look.lights : 1, 1)),
+                f(0.5 / lattice.size[2]));
     program.set("reach_right", place(unit * frame.right));
     program.set("reach_up", place(unit * frame.up));
     program.set("reach_forward", place(unit * frame.forward));

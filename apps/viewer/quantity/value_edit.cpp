@@ -114,27 +114,31 @@ void ValueHistory::begin(ValueTransfer transfer) {
     after_.clear();
 }
 
+void ValueHistory::keep(Step before) {
+    after_.clear();
+    if (dragging_ && drag_kept_) return;
+    before_.push_back(std::move(before));
+    if (before_.size() > kMostSteps) before_.erase(before_.begin());
+    drag_kept_ = dragging_;
+}
+
 void ValueHistory::change(ValueTransfer transfer) {
     if (now_ && transfer == *now_) return;
-    if (now_ && !(dragging_ && drag_kept_)) {
-        before_.push_back(now_);
-        if (before_.size() > kMostSteps) before_.erase(before_.begin());
-        drag_kept_ = dragging_;
-    }
-    after_.clear();
+    if (now_) keep({now_, {}});
     now_ = std::make_shared<const ValueTransfer>(std::move(transfer));
 }
 
-void ValueHistory::undo() {
-    if (before_.empty()) return;
-    after_.push_back(std::exchange(now_, before_.back()));
-    before_.pop_back();
+void ValueHistory::change_lights(const std::vector<DirectionalLight>& lights) {
+    keep({now_, lights});
 }
 
-void ValueHistory::redo() {
-    if (after_.empty()) return;
-    before_.push_back(std::exchange(now_, after_.back()));
-    after_.pop_back();
+void ValueHistory::step(std::vector<Step>& from, std::vector<Step>& to,
+                        std::vector<DirectionalLight>& lights) {
+    if (from.empty()) return;
+    Step next = std::move(from.back());
+    from.pop_back();
+    to.push_back({std::exchange(now_, next.transfer), {}});
+    if (next.lights) to.back().lights = std::exchange(lights, std::move(*next.lights));
 }
 
 }  // namespace vog::viewer

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "vog/shade.h"
 #include "vog/value_transfer.h"
+#include "vog/volume_picture.h"
 
 namespace vog::viewer {
 
@@ -50,7 +52,7 @@ ValueTransfer peak(ValueTransfer transfer, ValueRange range);
 /// A step at the middle of a range: nothing below.
 ValueTransfer step(ValueTransfer transfer, ValueRange range);
 
-/// Transfer functions as they were edited.
+/// Transfer functions, and directions of lights, as they were edited.
 class ValueHistory {
   public:
     /// The present one; null: none yet.
@@ -59,16 +61,26 @@ class ValueHistory {
     void begin(ValueTransfer transfer);
     /// A change. Changes of one drag count as one: those between begin_drag and end_drag.
     void change(ValueTransfer transfer);
+    /// Before a change of the lights.
+    void change_lights(const std::vector<DirectionalLight>& lights);
     void begin_drag() { dragging_ = true, drag_kept_ = false; }
     void end_drag() { dragging_ = false; }
     bool can_undo() const { return !before_.empty(); }
     bool can_redo() const { return !after_.empty(); }
-    void undo();
-    void redo();
+    /// lights  the present ones, which those of the step replace
+    void undo(std::vector<DirectionalLight>& lights) { step(before_, after_, lights); }
+    void redo(std::vector<DirectionalLight>& lights) { step(after_, before_, lights); }
 
   private:
+    struct Step {
+        std::shared_ptr<const ValueTransfer> transfer;
+        std::optional<std::vector<DirectionalLight>> lights;  ///< nothing: not changed
+    };
+    void keep(Step before);
+    void step(std::vector<Step>& from, std::vector<Step>& to,
+              std::vector<DirectionalLight>& lights);
     std::shared_ptr<const ValueTransfer> now_;
-    std::vector<std::shared_ptr<const ValueTransfer>> before_, after_;
+    std::vector<Step> before_, after_;
     bool dragging_ = false, drag_kept_ = false;
 };
 

@@ -353,9 +353,9 @@ bool ScriptPlayer::start_quantity(const Action& action, Stage& stage) {
                action.verb == "window") {
         edit_values(action, session);
     } else if (action.verb == "undo") {
-        session.values.undo();
+        session.values.undo(session.quantity.look.lights);
     } else if (action.verb == "redo") {
-        session.values.redo();
+        session.values.redo(session.quantity.look.lights);
     } else {
         return false;
     }

@@ -107,8 +107,7 @@ void Session::set_scale(const ColorScale& wanted) {
 void Session::set_shadows(bool on) {
     VolumeLook& light = quantity.look;
     light.shadows = on, light.studio = false;
-    if (on && !light.light && light.towards_light == Vec3d{})
-        light.towards_light = studio_light(camera);
+    if (on && !light.light && light.lights.empty()) light.lights = {{studio_light(camera)}};
 }
 
 void Session::automatic_scale() {

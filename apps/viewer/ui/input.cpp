@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "screen/screen_keys.h"
-#include "ui/clip_box.h"
+#include "ui/handles.h"
 #include "vog/error.h"
 
 namespace vog::viewer {
@@ -24,6 +24,7 @@ constexpr KeyHelp kHelp[] = {
     {"Alt + left drag", "roll"},
     {"drag the split line", "compare two renderers"},
     {"drag a circle of the clip box, of a slice", "move that face, that slice"},
+    {"drag the sphere, or Ctrl + right drag", "turn the light"},
     {"W S A D, PageUp PageDown", "move forward, back, left, right, up, down"},
     {"Q E", "roll"},
     {"arrows", "turn by 5 degrees"},
@@ -33,7 +34,7 @@ constexpr KeyHelp kHelp[] = {
     {"- =  0", "extinction down, up, automatic"},
     {"G  Shift + G  J", "next, previous quantity, next field"},
     {"R  Y  K", "range of this view, light, clip box"},
-    {"Ctrl + Z  Ctrl + Y", "undo, redo the transfer function of values"},
+    {"Ctrl + Z  Ctrl + Y", "undo, redo the transfer function of values, and drags of the light"},
     {"Space  ,  .", "play steps in time, step back, step on"},
     {"5  U", "parallel rays, z or y up"},
     {"M  Shift + M", "next, previous colour map"},
@@ -65,6 +66,7 @@ Drag::Grip grip_of(const Session& session, const Rect& picture, const ImGuiIO& i
                             : Drag::Grip::rotate;
     }
     if (!io.MouseDown[1]) return Drag::Grip::pan;
+    if (io.KeyCtrl && has_light(session)) return Drag::Grip::light;
     return session.quantity.show == Show::depth || io.KeyShift ? Drag::Grip::zoom
                                                                : Drag::Grip::window;
 }
@@ -97,6 +99,9 @@ void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoi
                            -static_cast<float>(dy) * half);
             break;
         }
+        case Drag::Grip::light:
+            drag_light(session, dx, dy);
+            break;
         case Drag::Grip::look:  // the point under the pointer follows it
             camera = looked_around(camera, -dx * half_fov, -dy * half_fov);
             break;
@@ -123,8 +128,10 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
     const auto face = over && state.grip == Drag::Grip::none
                           ? clip_face_at(session, picture, ui, io.MousePos.x, io.MousePos.y)
                           : std::nullopt;
+    const bool on_light = over && is_light_at(session, picture, ui, io.MousePos.x, io.MousePos.y);
     if (!down) {
-        if (state.grip == Drag::Grip::window) session.values.end_drag();
+        if (state.grip == Drag::Grip::window || state.grip == Drag::Grip::light)
+            session.values.end_drag();
         state.grip = Drag::Grip::none;
     } else if (pressed && over && state.grip == Drag::Grip::none) {
         state.grip = grip_of(session, picture, io, ui);
@@ -132,7 +139,9 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
             state.grip = Drag::Grip::clip;
             state.face = *face;
         }
-        if (state.grip == Drag::Grip::window) session.values.begin_drag();
+        if (on_light && io.MouseDown[0]) state.grip = Drag::Grip::light;
+        if (state.grip == Drag::Grip::window || state.grip == Drag::Grip::light)
+            session.values.begin_drag();
         state.last = at;
     } else if (state.grip != Drag::Grip::none) {
         continue_drag(session, state, picture, at, io.MousePos.x);
@@ -142,7 +151,8 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
         std::abs(io.MousePos.x - picture.x - session.settings.split * picture.width) < 6 * ui;
     if ((over && on_line) || state.grip == Drag::Grip::split)
         ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-    if (face || state.grip == Drag::Grip::clip) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+    if (face || on_light || state.grip == Drag::Grip::clip || state.grip == Drag::Grip::light)
+        ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     if (over && io.MouseWheel != 0)
         session.camera =
             zoomed(session.camera, at, std::pow(0.85, static_cast<double>(io.MouseWheel)),
@@ -334,8 +344,9 @@ void apply_input(Session& session, Drag& state, const Rect& picture, Requests& r
     if (io.KeyCtrl) {
         requests.quit |= ImGui::IsKeyPressed(GLFW_KEY_Q, false);
         const bool undo = ImGui::IsKeyPressed(GLFW_KEY_Z, true);
-        if (undo && !io.KeyShift) session.values.undo();
-        if ((undo && io.KeyShift) || ImGui::IsKeyPressed(GLFW_KEY_Y, true)) session.values.redo();
+        if (undo && !io.KeyShift) session.values.undo(session.quantity.look.lights);
+        if ((undo && io.KeyShift) || ImGui::IsKeyPressed(GLFW_KEY_Y, true))
+            session.values.redo(session.quantity.look.lights);
         return;
     }
     fly(session);

@@ -25,7 +25,8 @@ struct Face {
 
 /// Drag that began in the picture, until the button is released.
 struct Drag {
-    enum class Grip { none, rotate, pan, zoom, window, look, roll, split, clip } grip = Grip::none;
+    enum class Grip { none, rotate, pan, zoom, window, look, roll, split, clip, light };
+    Grip grip = Grip::none;
     ScreenPoint last;
     Face face{};  ///< that is dragged
 };

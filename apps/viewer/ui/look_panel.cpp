@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ui/clip_box.h"
+#include "ui/handles.h"
 #include "ui/panels.h"
 
 namespace vog::viewer {

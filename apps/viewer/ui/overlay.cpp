@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "ui/clip_box.h"
+#include "ui/handles.h"
 #include "ui/palette.h"
 #include "ui/panels.h"
 #include "vog/text.h"
@@ -280,6 +280,7 @@ void draw_overlays(Session& session, Gui& gui, const Layout& layout) {
     if (s.color_bar && !session.shows_layers()) draw_color_bar(session, layout);
     if (!session.scene.levels.empty()) {
         draw_clip_box(session, layout);
+        draw_light(session, layout);
         if (s.overlay && s.axes) {
             draw_axes(session, layout);
             draw_scale_bar(session, layout);

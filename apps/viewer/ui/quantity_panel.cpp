@@ -61,6 +61,43 @@ void edit_scale(Session& session, Gui& gui) {
     if (changed) attempt(session, [&] { session.set_scale(scale); });
 }
 
+/// Directions and strengths of the lights.
+void edit_lights(VolumeLook& look) {
+    std::vector<DirectionalLight> lights = lights_of(look);
+    bool changed = false;
+    std::optional<std::size_t> removed;
+    for (std::size_t n = 0; n < lights.size(); ++n) {
+        auto& [to, of_camera, strength] = lights[n];
+        ImGui::PushID(static_cast<int>(n));
+        bool at_eye = to == Vec3d{};
+        if (ImGui::Checkbox("from the eye", &at_eye)) {
+            to = at_eye ? Vec3d{} : Vec3d{0.5, 1, 0.5};
+            changed = true;
+        }
+        if (!at_eye) {
+            const Vec3f shown = vec_cast<float>(to);
+            float towards[3] = {shown.x, shown.y, shown.z};
+            if (ImGui::SliderFloat3("towards", towards, -1, 1, "%.2f")) {
+                to = {double{towards[0]}, double{towards[1]}, double{towards[2]}};
+                changed = true;
+            }
+            changed |= ImGui::Checkbox("turns with the view", &of_camera);
+        }
+        auto factor = static_cast<float>(strength);
+        if (ImGui::SliderFloat("strength", &factor, 0, 2, "%.2f")) {
+            strength = std::max(0.0, double{factor});
+            changed = true;
+        }
+        if (lights.size() > 1 && ImGui::SmallButton("remove this light")) removed = n;
+        ImGui::PopID();
+    }
+    if (removed) lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(*removed));
+    bool more = false;
+    if (lights.size() < kMostDirectionalLights && ImGui::SmallButton("one more light")) more = true;
+    if (more) lights.push_back({{-1, 1, 1}, true, 0.5});
+    if (changed || more || removed) look.lights = std::move(lights);
+}
+
 void edit_light(Session& session, Gui& gui) {
     VolumeLook& look = session.quantity.look;
     ImGui::Checkbox("light", &look.light);
@@ -80,6 +117,8 @@ void edit_light(Session& session, Gui& gui) {
         if (ImGui::SliderFloat("asymmetry", &asymmetry, -0.9f, 0.9f, "%.2f"))
             look.asymmetry = double{asymmetry};
     }
+    if ((look.shadows || look.occlusion) && !look.clip.empty())
+        ImGui::Checkbox("clips cut shadows", &look.clip_lights);
     if (!look.light && !look.shadows && !look.occlusion) return;
     const auto weight = [&](const char* name, double& value, double most) {
         auto shown = static_cast<float>(value);
@@ -90,15 +129,7 @@ void edit_light(Session& session, Gui& gui) {
     weight("diffuse", look.diffuse, 1);
     if (look.light) weight("specular", look.specular, 1);
     if (!look.light && !look.shadows) return;
-    bool at_eye = length(look.towards_light) == 0;
-    if (ImGui::Checkbox("from the eye", &at_eye))
-        look.towards_light = at_eye ? Vec3d{} : Vec3d{0.5, 1, 0.5};
-    if (at_eye) return;
-    float towards[3] = {static_cast<float>(look.towards_light.x),
-                        static_cast<float>(look.towards_light.y),
-                        static_cast<float>(look.towards_light.z)};
-    if (ImGui::SliderFloat3("towards", towards, -1, 1, "%.2f"))
-        look.towards_light = {double{towards[0]}, double{towards[1]}, double{towards[2]}};
+    edit_lights(look);
 }
 
 void edit_clip(Session& session, Gui& gui) {

@@ -154,4 +154,26 @@ Camera with_projection(const Camera& camera, bool orthographic, double aspect) {
     return result;
 }
 
+ScreenPoint light_place(const DirectionalLight& light, const Camera& camera) {
+    const CameraFrame frame = frame_of(camera, 1, 1);
+    Vec3d to = light.towards;
+    if (!light.of_camera) to = {dot(to, frame.right), dot(to, frame.up), -dot(to, frame.forward)};
+    const double across = std::hypot(to.x, to.y);
+    if (!(across > 0)) return {0, to.z < 0 ? kLightRim : 0};
+    const double away = kLightRim * std::atan2(across, to.z) / (std::numbers::pi * across);
+    return {away * to.x, away * to.y};
+}
+
+DirectionalLight dragged(DirectionalLight light, const Camera& camera, ScreenPoint by) {
+    const ScreenPoint from = light_place(light, camera);
+    const double x = from.x + by.x, y = from.y + by.y, away = std::hypot(x, y);
+    const double angle = std::numbers::pi * std::min(away / kLightRim, 1.0);
+    const double per = away > 0 ? std::sin(angle) / away : 0;
+    light.towards = {per * x, per * y, std::cos(angle)};
+    if (light.of_camera) return light;
+    VolumeLook look;
+    look.lights = {{light.towards, true, light.strength}};
+    return lights_in_view(look, frame_of(camera, 1, 1)).lights.front();
+}
+
 }  // namespace vog::viewer

@@ -167,10 +167,10 @@ void draw_presets(Session& session, Gui& gui, ValueRange range) {
     button("peak", [&] { return peak(now, range); });
     button("step", [&] { return step(now, range); });
     button("invert", [&] { return inverted(now); });
-    if (ImGui::Button("undo")) session.values.undo();
+    if (ImGui::Button("undo")) session.values.undo(session.quantity.look.lights);
     mark(gui, "undo");
     ImGui::SameLine();
-    if (ImGui::Button("redo")) session.values.redo();
+    if (ImGui::Button("redo")) session.values.redo(session.quantity.look.lights);
     mark(gui, "redo");
 }
 

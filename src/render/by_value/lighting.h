@@ -9,19 +9,23 @@ namespace vog::by_value {
 
 using device::Shading;
 
-/// Light and weights of a picture for the formulas of device/light/shading.h.
+static_assert(kMostDirectionalLights == device::kMostLights);
+
+/// Lights, fixed in the world, and weights of a picture for the formulas of device/light/shading.h.
 inline device::BlinnPhong blinn_phong(const VolumeLook& look) {
-    const Vec3d to =
-        length(look.towards_light) > 0 ? normalized(look.towards_light) : Vec3d{0, 0, 0};
+    device::BlinnPhong out{
+        look.light ? 1 : 0, 0, {}, look.ambient, look.diffuse, look.specular, look.power,
+        look.asymmetry};
     // Without a light from a direction all light is ambient.
-    const bool directed = look.light || look.shadows;
-    return {look.light ? 1 : 0,
-            {to.x, to.y, to.z},
-            directed ? look.ambient : look.ambient + look.diffuse,
-            directed ? look.diffuse : 0,
-            look.specular,
-            look.power,
-            directed ? look.asymmetry : 0};
+    if (!look.light && !look.shadows) {
+        out.ambient += out.diffuse, out.diffuse = out.asymmetry = 0;
+        return out;
+    }
+    for (const DirectionalLight& light : lights_of(look)) {
+        const Vec3d to = light.towards == Vec3d{} ? Vec3d{} : normalized(light.towards);
+        out.light[out.lights++] = {{to.x, to.y, to.z}, light.strength};
+    }
+    return out;
 }
 
 /// Light and weights of a picture.
@@ -30,7 +34,8 @@ class Lighting {
     explicit Lighting(const VolumeLook& look) : look_(blinn_phong(look)) {}
     bool on() const { return look_.on != 0; }
     /// As BlinnPhong::shading.
-    Shading operator()(Vec3d gradient, Vec3d towards_eye, device::ReachedLight reached) const {
+    Shading operator()(Vec3d gradient, Vec3d towards_eye,
+                       const device::ReachedLight& reached) const {
         return look_.shading({gradient.x, gradient.y, gradient.z},
                              {towards_eye.x, towards_eye.y, towards_eye.z}, reached);
     }

@@ -190,7 +190,7 @@ VOG_HD SlabsOfRay slabs_of_ray(const SlabPicture& p, const ChordRay& ray) {
     const RaySlabs slabs = ray_slabs(p, ray);
     const Double3& along = ray.ray.direction;
     const double thickness = slabs.thickness, front = slabs.front;
-    const LitRay lit{p.look, p.lattice, -1.0 * along,
+    const LitRay lit{&p.look, &p.lattice, -1.0 * along,
                      ray.ray.origin + (front + 0.5 * thickness) * along, thickness * along};
     return {slabs, ray.slant, lit, empty_line(), {0, -1}};
 }

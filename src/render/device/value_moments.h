@@ -94,7 +94,7 @@ VOG_HD void mean_light_of(const MeanLight& light, const ValueMoments& m, float d
 /// towards_eye  unit length
 /// reached      at the part
 VOG_HD void shade(const BlinnPhong& look, const ValueMoments& m, Double3 towards_eye,
-                  ReachedLight reached, float out[4]) {
+                  const ReachedLight& reached, float out[4]) {
     const Shading by = look.shading(to_double(m.gradient), towards_eye, reached);
     const float body = static_cast<float>(by.body), shine = static_cast<float>(by.shine);
     for (int c = 0; c < 3; ++c) out[c] = fminf(body * out[c] + shine * out[3], out[3]);
@@ -161,8 +161,8 @@ VOG_HD float seen_at(float depth) {
 
 /// A ray through slabs, and the light that reaches them.
 struct LitRay {
-    BlinnPhong look;
-    LightLattice lattice;
+    const BlinnPhong* look;
+    const LightLattice* lattice;
     Double3 towards_eye;   ///< unit length
     Double3 middle, step;  ///< of the first slab, and from slab to slab
 
@@ -172,13 +172,13 @@ struct LitRay {
     VOG_HD void light_of(const MeanLight& light, const ValueMoments& m, float slab, float parts,
                          float out[4]) const {
         mean_light_of(light, m, parts, out);
-        if (!lattice.any()) {
-            if (look.on) shade(look, m, towards_eye, {1, 1}, out);
+        if (!lattice->any()) {
+            if (look->on) shade(*look, m, towards_eye, {nullptr, middle, 0}, out);
             return;
         }
         const float seen = slab + (seen_at(out[3] * m.tau) - 0.5f) / parts;
-        shade(look, m, towards_eye,
-              lattice.at(middle + static_cast<double>(seen) * step, towards_eye), out);
+        shade(*look, m, towards_eye,
+              reached_at(*lattice, middle + static_cast<double>(seen) * step, towards_eye), out);
     }
 };
 
@@ -191,7 +191,7 @@ VOG_HD void composite_slab(const MeanLight& light, const LitRay& ray, int32_t sl
     const float at = static_cast<float>(slab);
     ray.light_of(light, own, at, 1, color);
     const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
-    const float division = division_of(color[3] * own.tau, trend, own.variance, ray.look.on);
+    const float division = division_of(color[3] * own.tau, trend, own.variance, ray.look->on);
     if (!(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;

@@ -192,8 +192,7 @@ void SurfaceRays::add(Vec3d origin, Vec3d direction, Segment& within,
         const auto hit = surface_.hit(origin, direction, rest);
         if (!hit) return;
         const device::ReachedLight reached =
-            lattice_.any() ? lattice_.at(plain(origin + hit->t * direction), plain(towards_eye))
-                           : device::ReachedLight{1, 1};
+            device::reached_at(lattice_, plain(origin + hit->t * direction), plain(towards_eye));
         const auto [body, shine] = lighting_(hit->normal, towards_eye, reached);
         const SurfaceBvh::Color color = color_.value_or(hit->color);
         const auto part = [&](std::size_t c) {

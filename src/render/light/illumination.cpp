@@ -157,19 +157,27 @@ Illumination::Illumination(const ExtinctionLattice& extinction)
       size_(extinction.size),
       shift_(double(extinction.cells) / kModelCells) {}
 
-void Illumination::set_direct(const ExtinctionLattice& extinction, Vec3d towards, int octaves) {
-    // Wrenninge's octaves: light scattered again and again passes through more.
-    const std::vector<float> depths = depths_towards(extinction, towards);
-    direct_.assign(depths.size(), 0);
-    float whole = 0;
-    for (int octave = 0; octave < octaves; ++octave) {
-        const float part = std::exp2(static_cast<float>(-octave));
-        whole += part;
-        for (std::size_t n = 0; n < depths.size(); ++n)
-            direct_[n] += part * std::exp(-part * depths[n]);
+void Illumination::set_direct(const ExtinctionLattice& extinction, std::span<const Vec3d> towards,
+                              int octaves) {
+    const std::size_t cells = extinction.sum.size();
+    direct_.resize(cells * towards.size());
+    for (std::size_t light = 0; light < towards.size(); ++light) {
+        if (light < towards_.size() && towards_[light] == towards[light] && octaves == octaves_)
+            continue;
+        // Wrenninge's octaves: light scattered again and again passes through more.
+        const std::vector<float> depths = depths_towards(extinction, towards[light]);
+        const std::span<float> shares(direct_.data() + light * cells, cells);
+        std::ranges::fill(shares, 0.0f);
+        float whole = 0;
+        for (int octave = 0; octave < octaves; ++octave) {
+            const float part = std::exp2(static_cast<float>(-octave));
+            whole += part;
+            for (std::size_t n = 0; n < cells; ++n) shares[n] += part * std::exp(-part * depths[n]);
+        }
+        for (float& share : shares) share /= whole;
     }
-    for (float& share : direct_) share /= whole;
-    towards_ = normalized(towards);
+    towards_.assign(towards.begin(), towards.end());
+    octaves_ = octaves;
 }
 
 void Illumination::set_ambient(const ExtinctionLattice& extinction) {
@@ -184,28 +192,35 @@ void Illumination::set_ambient(const ExtinctionLattice& extinction) {
 
 namespace {
 
-Vec3d towards_of(const VolumeLook& look, Vec3d forward) {
-    return length(look.towards_light) > 0 ? look.towards_light : -forward;
-}
-
 bool is_absorbed(const VolumeLook& look) { return look.shadows || look.occlusion; }
+
+/// What cuts the matter that absorbs light.
+Clipping clip_of(const VolumeLook& look) { return look.clip_lights ? look.clip : Clipping{}; }
 
 ExtinctionLattice extinction_of(const LitModel& model, const VolumeLook& look) {
     ExtinctionLattice lattice(view_box(model.gaussians), kModelCells);
     add_extinction(model.gaussians, model.field, model.light, model.unit, model.processes, lattice);
-    lattice.clip(look.clip);
+    lattice.clip(clip_of(look));
     return lattice;
 }
 
 Illumination illumination(const ExtinctionLattice& extinction, const VolumeLook& look,
                           Vec3d forward) {
     Illumination light(extinction);
-    if (look.shadows) light.set_direct(extinction, towards_of(look, forward), look.octaves);
+    if (look.shadows) light.set_direct(extinction, directions_of(look, forward), look.octaves);
     if (look.occlusion) light.set_ambient(extinction);
     return light;
 }
 
 }  // namespace
+
+std::vector<Vec3d> directions_of(const VolumeLook& look, Vec3d forward) {
+    std::vector<Vec3d> towards;
+    if (look.shadows)
+        for (const DirectionalLight& light : lights_of(look))
+            towards.push_back(light.towards == Vec3d{} ? -forward : light.towards);
+    return towards;
+}
 
 Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d forward) {
     if (!is_absorbed(look)) return {};
@@ -215,20 +230,21 @@ Illumination illumination(const LitModel& model, const VolumeLook& look, Vec3d f
 bool KeptIllumination::update(int version, const LitModel& model, const VolumeLook& look,
                               Vec3d forward) {
     bool changes = false;
-    if (version != version_ || !(look.clip == look_.clip)) {
+    if (version != version_ || !(clip_of(look) == clip_of(look_))) {
         changes = extinction_.has_value();
         *this = {};
-        version_ = version, look_.clip = look.clip;
+        version_ = version;
     }
     if (is_absorbed(look) && !extinction_) {
         extinction_ = extinction_of(model, look);
         light_ = Illumination(*extinction_);
     }
-    const Vec3d towards = look.shadows ? towards_of(look, forward) : Vec3d{};
-    if (look.shadows != look_.shadows || towards != towards_ ||
-        (look.shadows && look.octaves != look_.octaves)) {
-        light_.clear_direct();
-        if (look.shadows) light_.set_direct(*extinction_, towards, look.octaves);
+    std::vector<Vec3d> towards = directions_of(look, forward);
+    if (towards != towards_ || (look.shadows && look.octaves != look_.octaves)) {
+        if (look.shadows)
+            light_.set_direct(*extinction_, towards, look.octaves);
+        else
+            light_.clear_direct();
         changes = true;
     }
     if (look.occlusion != look_.occlusion) {
@@ -236,7 +252,7 @@ bool KeptIllumination::update(int version, const LitModel& model, const VolumeLo
         if (look.occlusion) light_.set_ambient(*extinction_);
         changes = true;
     }
-    look_ = look, towards_ = towards;
+    look_ = look, towards_ = std::move(towards);
     return changes;
 }
 
@@ -266,20 +282,27 @@ Illumination illumination(Box box, bool of_voxels,
     }
     ExtinctionLattice lattice(box, of_voxels ? kVoxelCells : kModelCells);
     add(lattice);
-    lattice.clip(look.clip);
+    lattice.clip(clip_of(look));
     return illumination(lattice, look, forward);
 }
 
 device::LightLattice Illumination::lattice(Vec3d origin, double unit) const {
     const Vec3d first = (1 / unit) * (first_ - origin);
-    return {direct_.empty() ? nullptr : direct_.data(),
-            ambient_.empty() ? nullptr : ambient_.data(),
-            opaque_.empty() ? nullptr : opaque_.data(),
-            {size_.x, size_.y, size_.z},
-            {first.x, first.y, first.z},
-            unit / edge_,
-            {towards_.x, towards_.y, towards_.z},
-            shift_};
+    device::LightLattice out{direct_.empty() ? nullptr : direct_.data(),
+                             ambient_.empty() ? nullptr : ambient_.data(),
+                             opaque_.empty() ? nullptr : opaque_.data(),
+                             {size_.x, size_.y, size_.z},
+                             {first.x, first.y, first.z},
+                             unit / edge_,
+                             {},
+                             {},
+                             shift_};
+    for (std::size_t n = 0; n < towards_.size(); ++n) {
+        const Vec3d to = normalized(towards_[n]);
+        out.towards[n] = {to.x, to.y, to.z};
+        out.middle = out.middle + (1.0 / static_cast<double>(towards_.size())) * out.towards[n];
+    }
+    return out;
 }
 
 }  // namespace vog::lights

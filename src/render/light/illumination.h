@@ -21,12 +21,13 @@ class Illumination {
     /// All light reaches every point.
     Illumination() = default;
     explicit Illumination(const ExtinctionLattice& extinction);
-    /// Light from a direction, of any length > 0, world.
+    /// Lights from directions, of any length > 0, world. Those that are there already stay as they are.
     /// octaves  of multiple scattering
-    void set_direct(const ExtinctionLattice& extinction, Vec3d towards, int octaves);
+    void set_direct(const ExtinctionLattice& extinction, std::span<const Vec3d> towards,
+                    int octaves);
     /// Light from all directions.
     void set_ambient(const ExtinctionLattice& extinction);
-    void clear_direct() { direct_.clear(), towards_ = {}; }
+    void clear_direct() { direct_.clear(), towards_.clear(); }
     void clear_ambient() { ambient_.clear(); }
 
     /// Valid while this lives, unchanged; for points relative to an origin, in a unit of length.
@@ -38,9 +39,10 @@ class Illumination {
     double edge() const { return edge_; }
 
   private:
-    std::vector<float> direct_, ambient_;
-    std::vector<float> opaque_;  ///< empty: no cell is
-    Vec3d towards_{};
+    std::vector<float> direct_, ambient_;  ///< of LightLattice
+    std::vector<float> opaque_;            ///< empty: no cell is
+    std::vector<Vec3d> towards_{};
+    int octaves_ = 1;
     Vec3d first_{};
     double edge_ = HUGE_VAL;
     Vec3i size_{2, 2, 2};
@@ -73,8 +75,11 @@ class KeptIllumination {
     Illumination light_;
     int version_ = -1;
     VolumeLook look_{};
-    Vec3d towards_{};
+    std::vector<Vec3d> towards_{};
 };
+/// Directions of the lights of a look that cast shadows.
+/// forward  of the view, from which a light at the eye comes
+std::vector<Vec3d> directions_of(const VolumeLook& look, Vec3d forward);
 
 /// Of voxels, on a lattice that is finer: the truth of the one of a model.
 /// fields  [volumes] scalar; without values the volume's own

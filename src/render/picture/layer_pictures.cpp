@@ -35,7 +35,7 @@ void update(LayersLight& light, const ResolvedPicture& picture,
     const VolumeLook look = look_of(picture);
     const Vec3d forward =
         frame_of(picture.camera(), picture.request.width, picture.request.height).forward;
-    const Vec3d towards = look.towards_light == Vec3d{} ? -forward : look.towards_light;
+    std::vector<Vec3d> towards = lights::directions_of(look, forward);
     std::vector<ValueTransfer> transfers;
     std::vector<const void*> data;
     std::vector<double> opacities;
@@ -75,7 +75,7 @@ void update(LayersLight& light, const ResolvedPicture& picture,
         lights::illumination(bounds, of_voxels, add_extinction, look, forward, processes);
     light.data = std::move(data), light.transfers = std::move(transfers);
     light.opacities = std::move(opacities);
-    light.look = look, light.towards = towards;
+    light.look = look, light.towards = std::move(towards);
 }
 
 }  // namespace

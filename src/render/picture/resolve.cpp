@@ -315,8 +315,8 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
         look.octaves = std::max(look.octaves, kStudioOctaves);
         look.studio = false;
     }
-    if (look.shadows && !look.light && look.towards_light == Vec3d{})
-        look.towards_light = studio_light(*request.camera);
+    if (look.shadows && !look.light && look.lights.empty())
+        look.lights = {{studio_light(*request.camera)}};
     const Show show = request.show;
     const Units& units = scene.subject.content.units;
     if (!request.layers.empty()) {

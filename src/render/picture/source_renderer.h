@@ -113,9 +113,9 @@ class SourceRenderer {
                         const Progress& progress) = 0;
 };
 
-/// Light of a picture, with its clip.
+/// Light of a picture in its view, with its clip.
 inline VolumeLook look_of(const ResolvedPicture& picture) {
-    VolumeLook look = picture.request.look;
+    VolumeLook look = lights_in_view(picture.request.look, frame_of(picture.camera(), 1, 1));
     look.clip = picture.request.options.clip;
     return look;
 }
@@ -142,7 +142,7 @@ struct LayersLight {
     std::vector<ValueTransfer> transfers{};
     std::vector<double> opacities{};
     VolumeLook look{};
-    Vec3d towards{};
+    std::vector<Vec3d> towards{};
     lights::Illumination reached{};
 };
 

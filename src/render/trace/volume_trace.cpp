@@ -200,7 +200,7 @@ Rgba composited(const RaySteps& steps, device::MeanLight light, const device::Bl
                 const device::LightLattice& lattice, double cell, const WorldRay& ray) {
     device::SeenLight seen{{0, 0, 0}, 1};
     device::LitRay lit{
-        look, lattice, plain(-ray.direction), {}, plain(steps.length * ray.direction)};
+        &look, &lattice, plain(-ray.direction), {}, plain(steps.length * ray.direction)};
     if (steps.length > 0) light.parts_per_cell = static_cast<float>(cell / steps.length);
     for (std::size_t n = 0; n < steps.sums.size(); ++n) {
         if (!(steps.sums[n].tau > 0)) continue;

@@ -3,7 +3,7 @@ import { fading, reversed, sampled } from './picture/colors.js';
 import { ClipControls } from './clip_controls.js';
 import { Editor, presets } from './editor.js';
 import { choices, label, numberText, shows, ticks } from './quantity.js';
-import { towardsLight } from './picture/light.js';
+import { fixedLights, withFirst } from './picture/light.js';
 import { remapped, transferJson } from './picture/transfer.js';
 import { length, mul } from './vectors.js';
 
@@ -16,6 +16,7 @@ const keyHelp = [
   ['Shift + drag, two fingers', 'move'],
   ['wheel, pinch', 'zoom to the pointer, through the volume if need be'],
   ['right drag', 'of T: zoom; else the shown values: right wider, up higher'],
+  ['Ctrl + right drag, the sphere', 'turn the light'],
   ['Alt + drag, twist', 'roll'],
   ['Ctrl + drag', 'look around from where you are'],
   ['W S A D, Page Up/Down', 'fly'],
@@ -28,7 +29,7 @@ const keyHelp = [
   ['M, Shift + M', 'next, previous colours'],
   ['I, B', 'reverse the colours, fade them into the background'],
   ['V', 'next quantity'],
-  ['Z, Shift + Z', 'undo, redo an edit of the opacity'],
+  ['Z, Shift + Z', 'undo, redo an edit of the opacity or the light'],
   ['N', 'next model'],
   ['Space , .', 'play, step back, next step'],
   ['P, C', 'save a PNG, copy a link to this view'],
@@ -96,7 +97,7 @@ export class Controls {
   }
 
   attachTransfer(on, commands) {
-    this.editor = new Editor(find('editor'), commands.transfer);
+    this.editor = new Editor(find('editor'), commands.transfer, commands.restore);
     for (const name of Object.keys(presets)) find('preset').append(element('option', name, { value: name }));
     on('density', 'input', () => {
       const { transfer } = this.editor;
@@ -111,12 +112,16 @@ export class Controls {
       if (make) this.editor.edit({ ...transfer, opacity: make(this.editor.axis.value) });
     });
     const relight = (part) => this.change({ light: { ...this.state.light, ...part } });
+    for (const id of ['light', 'shadows', 'occlusion', 'clip-lights']) on(id, 'change', () => this.editor.remember());
+    for (const id of ['scattering', ...towards]) on(id, 'pointerdown', () => this.editor.remember());
     on('light', 'change', () => relight({ on: find('light').checked }));
+    on('clip-lights', 'change', () => relight({ clipped: find('clip-lights').checked }));
     on('occlusion', 'change', () => relight({ occlusion: find('occlusion').checked }));
     on('scattering', 'input', () => relight({ scattering: find('scattering').valueAsNumber }));
     // Shadows begin from the upper left of the view, and stay where that turns.
-    on('shadows', 'change', () => relight({ shadows: find('shadows').checked, towards: towardsLight(this.state.light, this.state.camera) }));
-    for (const id of towards) on(id, 'input', () => relight({ towards: towards.map((one) => find(one).valueAsNumber) }));
+    on('shadows', 'change', () => relight({ shadows: find('shadows').checked, lights: fixedLights(this.state.light, this.state.camera) }));
+    // Sliders and drags move the first light.
+    for (const id of towards) on(id, 'input', () => relight({ lights: withFirst(this.state.light, { towards: towards.map((one) => find(one).valueAsNumber) }) }));
     on('log-axis', 'change', () => this.change({ logAxis: find('log-axis').checked }));
     on('undo', 'click', () => this.editor.undo());
     on('redo', 'click', () => this.editor.redo());
@@ -163,16 +168,17 @@ export class Controls {
       for (const id of ['low', 'high']) find(id).setAttribute('aria-invalid', false);
     }
     find('log').checked = scale.log;
-    const { on, shadows, occlusion, scattering } = state.light, to = mul(1 / Math.max(1, ...state.light.towards.map(Math.abs)), state.light.towards);
-    for (const [id, checked] of Object.entries({ light: on, shadows, occlusion })) find(id).checked = checked;
+    const { on, shadows, occlusion, scattering, clipped, lights: [light = { towards: [0, 0, 0] }, ...others] } = state.light, to = mul(1 / Math.max(1, ...light.towards.map(Math.abs)), light.towards);
+    for (const [id, checked] of Object.entries({ light: on, shadows, occlusion, 'clip-lights': clipped })) find(id).checked = checked;
     find('scattering').value = find('octaves').textContent = scattering;
     find('scattering-row').hidden = !shadows;
+    find('clip-lights-row').hidden = !volume || !(shadows || occlusion);
     find('towards-row').hidden = !shadows && !on;
-    find('towards').textContent = length(to) > 0 ? to.map((v) => v.toFixed(2)).join(' ') : on ? 'the eye' : 'the view';
+    find('towards').textContent = length(to) > 0 ? `${light.ofCamera ? 'view ' : ''}${to.map((v) => v.toFixed(2)).join(' ')}${others.length > 0 ? ` and ${others.length} more` : ''}` : on ? 'the eye' : 'the view';
     towards.forEach((id, n) => { find(id).value = to[n]; });
     if (volume) {
       const source = model.fields[state.field];
-      this.editor.show(transfer, source, state.logAxis);
+      this.editor.show(transfer, source, state.light, state.logAxis);
       find('log-axis').disabled = !(source.lower > 0);
       find('log-axis').checked = this.editor.axis.log;
       this.middleUnit ||= transfer.unit;

@@ -34,10 +34,12 @@ function distanceFrom([x, y], [ax, ay], [bx, by]) {
 }
 
 export class Editor {
-  /** change  called with an edited transfer function */
-  constructor(canvas, change) {
-    this.canvas = canvas;
-    this.change = change;
+  /**
+   * change   called with an edited transfer function
+   * restore  called with what undo() brings back: {transfer, light}
+   */
+  constructor(canvas, change, restore) {
+    Object.assign(this, { canvas, change, restore });
     [this.first, this.last] = [0, 0];  // chosen points of opacity
     this.grip = null;   // what the pointer holds: {share, opacity, points, axis, vertical, moved}
     this.past = [];
@@ -51,8 +53,12 @@ export class Editor {
     canvas.addEventListener('keydown', (event) => this.key(event));
   }
 
-  /** Shows a transfer function over a field's histogram; log: on a logarithmic axis where the field is above 0. */
-  show(transfer, source, log = false) {
+  /** What undo() brings back. */
+  get now() { return { transfer: this.transfer, light: this.light }; }
+
+  /** Shows a transfer function over a field's histogram; light: of the picture; log: on a logarithmic axis where the field is above 0. */
+  show(transfer, source, light, log = false) {
+    this.light = light;
     if (this.source && this.source !== source) [this.past, this.future] = [[], []];
     [this.transfer, this.source, this.axis] = [transfer, source, axisOf(transfer, source, log && source.lower > 0)];
     [this.first, this.last] = [this.first, this.last].map((n) => clamp(n, 0, transfer.opacity.length - 1));
@@ -66,18 +72,19 @@ export class Editor {
     this.change(transfer);
   }
   remember() {
-    this.past.push(this.transfer);
+    this.past.push(this.now);
+    this.future = [];
     if (this.past.length > 100) this.past.shift();
   }
   undo() {
     if (this.past.length === 0) return;
-    this.future.push(this.transfer);
-    this.change(this.past.pop());
+    this.future.push(this.now);
+    this.restore(this.past.pop());
   }
   redo() {
     if (this.future.length === 0) return;
-    this.past.push(this.transfer);
-    this.change(this.future.pop());
+    this.past.push(this.now);
+    this.restore(this.future.pop());
   }
 
   size() { return [this.canvas.clientWidth || 220, this.canvas.clientHeight || 96]; }

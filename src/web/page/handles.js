@@ -1,6 +1,7 @@
-// handles.js: the clip box over the picture, with a handle on each face to drag by mouse or touch.
+// handles.js: what can be dragged over the picture by mouse or touch: faces of the clip box, and the light.
 import { add, dot, mul, sub } from './vectors.js';
 import { axesOf, halfTangent } from './camera.js';
+import { isBehind, lightPlace } from './picture/light.js';
 import { rayOf } from './picture/probe.js';
 
 const least = 0.01;     // of the model's box, between two faces
@@ -14,6 +15,14 @@ function nearestOn(axis, point, { origin, direction }) {
   return sine2 < leastSine ** 2 ? null : (b * dot(direction, apart) - dot(along, apart)) / sine2;
 }
 
+/** An element of SVG, added to another. */
+function added(to, name, attributes) {
+  const element = document.createElementNS(to.namespaceURI, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  to.append(element);
+  return element;
+}
+
 export class Handles {
   /**
    * svg   over the picture
@@ -21,13 +30,9 @@ export class Handles {
    *       place(event): of a pointer in these, change(clip)}
    */
   constructor(svg, view) {
-    [this.svg, this.view] = [svg, view];
-    const made = (name, attributes) => {
-      const element = document.createElementNS(svg.namespaceURI, name);
-      for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-      svg.append(element);
-      return element;
-    };
+    this.box = added(svg, 'g', {});
+    this.view = view;
+    const made = (name, attributes) => added(this.box, name, attributes);
     this.edges = Array.from({ length: 12 }, () => made('line', {}));
     this.handles = [0, 1, 2].flatMap((axis) => [0, 1].map((end) => {
       const dot = made('circle', { class: `dot axis-${'xyz'[axis]}`, r: 6 }), grip = made('circle', { class: 'grip', r: 16 });
@@ -84,7 +89,7 @@ export class Handles {
 
   /** shown  whether the box is to be seen */
   show(shown) {
-    this.svg.toggleAttribute('hidden', !shown);
+    this.box.toggleAttribute('hidden', !shown);
     if (!shown) return;
     const ends = this.ends(), { half } = this.view.box(), [width, height] = this.view.size(), camera = this.view.camera();
     const corner = (bits) => [0, 1, 2].map((axis) => (bits & (1 << axis) ? ends.upper : ends.lower)[axis]);
@@ -104,5 +109,39 @@ export class Handles {
         if (usable) circle.setAttribute('cx', at[0]), circle.setAttribute('cy', at[1]);
       }
     }
+  }
+}
+
+/** A sphere where the first light comes from: in the middle the eye's, at the rim that from behind, which is hollow. */
+export class LightHandle {
+  /** view  {light(), camera(), size(): [width, height] in CSS pixels, begin(): of a drag, drag(step over the picture)} */
+  constructor(svg, view) {
+    this.view = view;
+    this.circles = [added(svg, 'circle', { class: 'dot light', r: 7 }), added(svg, 'circle', { class: 'grip', r: 16 })];
+    const [, grip] = this.circles;
+    let last = null;
+    grip.addEventListener('pointerdown', (event) => {
+      last = [event.clientX, event.clientY];
+      grip.setPointerCapture(event.pointerId);
+      event.preventDefault();
+      view.begin();
+    });
+    grip.addEventListener('pointermove', ({ clientX, clientY }) => {
+      if (!last) return;
+      const half = 0.5 * Math.min(...view.size()), step = [(clientX - last[0]) / half, (last[1] - clientY) / half];
+      last = [clientX, clientY];
+      view.drag(step);
+    });
+    for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'])
+      grip.addEventListener(name, () => { last = null; });
+  }
+
+  show(shown) {
+    for (const circle of this.circles) circle.toggleAttribute('hidden', !shown);
+    if (!shown) return;
+    const { view, circles } = this, [width, height] = view.size(), place = lightPlace(view.light(), view.camera());
+    const half = 0.5 * Math.min(width, height), [x, y] = place;
+    for (const circle of circles) circle.setAttribute('cx', 0.5 * width + half * x), circle.setAttribute('cy', 0.5 * height - half * y);
+    circles[0].classList.toggle('behind', isBehind(place));
   }
 }

@@ -1,6 +1,6 @@
 // input.js: conversion of mouse, touch, wheel and key events to camera motions and commands.
 import { rotated, lookedAround, rolled, panned, zoomed } from './camera.js';
-import { leastDistance, windowed } from './view/motions.js';
+import { dragLight, hasLight, leastDistance, windowed } from './view/motions.js';
 
 /** Screen point (camera.js) of page coordinates. */
 function pointOf(canvas, x, y) {
@@ -50,6 +50,7 @@ export function attachPointers(canvas, view, signal) {
     const before = [...pointers.values()], to = place(event);
     pointers.set(event.pointerId, to);
     const { camera } = view.state, least = leastDistance(view);
+    if (before.length === 1 && event.buttons & 2 && event.ctrlKey && hasLight(view)) return dragLight(view, to.map((v, k) => v - from[k]));
     if (before.length === 1 && event.buttons & 2 && windowed(view, 0.5 * (to[0] - from[0]), 0.5 * (to[1] - from[1]))) return;
     if (before.length === 1) view.move(dragged(event, camera, from, to, least));
     if (before.length === 2) view.move(pinched(camera, before, [...pointers.values()], least));

@@ -6,10 +6,10 @@ import { showStream } from './stream/status.js';
 import { readLink } from './link/link.js';
 import { attachKeys } from './input.js';
 import { Viewer } from './view/viewer.js';
-import { motions, setTransfer, stand } from './view/motions.js';
+import { dragLight, hasLight, motions, setTransfer, stand } from './view/motions.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
-import { Handles } from './handles.js';
+import { Handles, LightHandle } from './handles.js';
 import { Player } from './player.js';
 import { Outer } from './link/outer.js';
 import { recordIn } from './link/record.js';
@@ -56,11 +56,17 @@ const handles = new Handles(find('handles'), {
   size: () => [canvas.clientWidth, canvas.clientHeight],
   place: ({ clientX, clientY }) => { const { left, top } = canvas.getBoundingClientRect(); return [clientX - left, clientY - top]; },
 });
-/** Handles of the clip while its controls are open. */
+const lightHandle = new LightHandle(find('handles'), {
+  light: () => state.light, camera: () => state.camera, size: () => [canvas.clientWidth, canvas.clientHeight],
+  begin: () => controls.editor.remember(), drag: (step) => dragLight(view, step),
+});
+canvas.addEventListener('pointerdown', (event) => { if (event.buttons & 2 && event.ctrlKey && hasLight(view)) controls.editor.remember(); });
+/** Handles of the clip while its controls are open, and of the light while the panel is. */
 function showHandles() {
   const { left, top, width, height } = canvas.getBoundingClientRect();
   Object.assign(find('handles').style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
   handles.show(find('clip-row').open && state.panel && !state.embed);
+  lightHandle.show(hasLight(view) && state.panel && !state.embed && !state.still);
 }
 find('clip-row').addEventListener('toggle', showHandles);
 function showOverlay() {
@@ -120,6 +126,10 @@ const moves = motions(view);
 if (page.steps) player = new Player(page.models.length, change, (model) => view.source.isReady(model));
 controls = new Controls(page, change, {
   home: moves.home, save, link: copyLink, help: () => controls.help(), transfer: (transfer) => setTransfer(view, transfer),
+  restore({ transfer, light }) {
+    if (transfer !== view.transfer) setTransfer(view, transfer);
+    change({ light });
+  },
   panel: () => change({ panel: !state.panel }), detail: (value) => change(view.source.detailed(value)),
 });
 

@@ -17,11 +17,14 @@ uniform float pixels_per_unit;
 uniform float parallel;         // 1: parallel rays
 uniform float asymmetry;        // of the phase function
 uniform vec4 lighting;          // ambient, diffuse, specular, power; no surfaces: power 0
-uniform vec3 towards_light;     // along right, up and forward; 0: the eye
+uniform vec4 lights[8];         // along right, up and forward; 0: the eye; strength
+uniform int light_count;        // 0: all light is ambient
 uniform highp sampler2D ranges; // of all depths: minus the least, the largest
-uniform highp sampler3D reached;  // shares of the light from its direction and of ambient light that arrive; opaqueness
+uniform highp sampler3D reached;  // shares of the light from a direction and of ambient light that arrive; opaqueness; light after light along z
 uniform float reaches;          // 1: `reached` is there; 0: all light arrives
-uniform vec3 reach_light;       // change of its coordinates towards the light
+uniform vec4 reach_light[8];    // xyz: change of its coordinates towards each light
+uniform vec3 reach_middle;      // the mean of these
+uniform vec2 reach_layers;      // lights in the texture, half a cell along z
 uniform vec3 reach_eye, reach_right, reach_up, reach_forward;  // its coordinates at the eye, and their change along the camera's axes
 uniform float reach_edge;       // of a cell
 uniform float slabs, first_slab;  // first_slab: of before_0
@@ -93,32 +96,42 @@ vec3 reached_at(float depth, vec3 along) {
     vec2 side = parallel == 1.0 ? along.xy : depth * along.xy;
     return reach_eye + depth * reach_forward + side.x * reach_right + side.y * reach_up;
 }
-vec2 reached_in(float slab, float parts, float seen, vec3 along) {
-    if (reaches == 0.0) return vec2(1.0);
+// xyz: place towards the eye; w: how far a light is looked up from there towards it.
+vec4 reached_in(float slab, float parts, float seen, vec3 along) {
+    if (reaches == 0.0) return vec4(0.0);
     slab += ((seen < 0.1 ? 0.5 - seen / 12.0 : 1.0 / seen - 1.0 / (exp(min(seen, 80.0)) - 1.0)) - 0.5) / parts;
     vec2 range = texelFetch(ranges, ivec2(0), 0).xy;
     float depth = (range.x + range.y) / slabs * (slab + 0.5) - range.x;
     float opaque = textureLod(reached, reached_at(depth, along), 0.0).z, towards_eye = kTowardsEye * reach_edge / (parallel == 1.0 ? 1.0 : length(along));
-    return textureLod(reached, reached_at(depth - opaque * towards_eye, along) + opaque * reach_light, 0.0).xy;
+    return vec4(reached_at(depth - opaque * towards_eye, along), opaque);
+}
+vec2 shares_at(vec4 place, vec3 towards, int light) {
+    if (reaches == 0.0) return vec2(1.0);
+    vec3 at = place.xyz + place.w * towards;
+    at.z = (clamp(at.z, reach_layers.y, 1.0 - reach_layers.y) + float(light)) / reach_layers.x;
+    return textureLod(reached, at, 0.0).xy;
 }
 
 // Blinn and Phong's shading (render/device/light/shading.h), along the camera's axes; at most what is absorbed.
-vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye, vec2 arrives) {
-    float steepness = length(gradient);
-    vec3 to = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
-    if (lighting.w == 0.0 || !(steepness > 0.0)) {
-        float whole = lighting.x + lighting.y, g = asymmetry, turn = dot(to, towards_eye);
-        if (reaches == 0.0 || !(whole > 0.0)) return light;
-        arrives.x *= (1.0 - g * g) * pow(1.0 + g * g + 2.0 * g * turn, -1.5);  // the phase function
-        return vec4(min(dot(lighting.yx, arrives) / whole * light.rgb, light.a), light.a);
-    }
-    vec3 normal = gradient / steepness;
+vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye, vec4 place) {
+    float steepness = length(gradient), whole = lighting.x + lighting.y, g = asymmetry;
+    bool surface = lighting.w > 0.0 && steepness > 0.0;
+    if (!surface && (reaches + lighting.w == 0.0 || !(whole > 0.0))) return light;
+    vec3 normal = surface ? gradient / steepness : vec3(0.0);
     if (dot(normal, towards_eye) < 0.0) normal = -normal;
-    float facing = max(dot(normal, to), 0.0);
-    vec3 between = to + towards_eye;
-    float mirrored = facing > 0.0 ? clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0.0;
-    float shine = mirrored > 0.0 ? arrives.x * lighting.z * pow(mirrored, lighting.w) : 0.0;
-    return vec4(min((arrives.y * lighting.x + arrives.x * lighting.y * facing) * light.rgb + shine * light.a, light.a), light.a);
+    vec2 first = shares_at(place, reach_light[0].xyz, 0);
+    float body = lighting.x * (light_count > 1 ? shares_at(place, reach_middle, 0).y : first.y), shine = 0.0;
+    for (int n = 0; n < light_count; ++n) {
+        vec3 to = dot(lights[n].xyz, lights[n].xyz) > 0.0 ? lights[n].xyz : towards_eye, between = to + towards_eye;
+        float direct = lights[n].w * (n == 0 ? first.x : shares_at(place, reach_light[n].xyz, n).x), facing = dot(normal, to);
+        if (!surface) body += direct * lighting.y * (1.0 - g * g) * pow(1.0 + g * g + 2.0 * g * dot(to, towards_eye), -1.5);  // the phase function
+        if (!(facing > 0.0)) continue;
+        float mirrored = clamp(dot(normal, between) / length(between), 0.0, 1.0);
+        body += direct * lighting.y * facing;
+        if (mirrored > 0.0) shine += direct * lighting.z * pow(mirrored, lighting.w);
+    }
+    if (!surface) body /= whole;
+    return vec4(min(body * light.rgb + shine * light.a, light.a), light.a);
 }
 
 void composite(vec4 light, float tau) {

@@ -109,7 +109,7 @@ TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
     const ValueTransfer colors = colors_of(field), bands = bands_of(field);
     VolumeLook lit;
     lit.light = true;
-    lit.towards_light = {0.3, 1, 0.2};
+    lit.lights = {{{0.3, 1, 0.2}}};
     VolumeLook clipped;
     clipped.light = true;
     clipped.clip = some_planes();

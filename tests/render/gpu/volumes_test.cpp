@@ -92,7 +92,7 @@ ValueTransfer colors_of(double low, double range, double unit_distance) {
 VolumeLook lit_look() {
     VolumeLook look;
     look.light = true;
-    look.towards_light = {0.3, 1, 0.2};
+    look.lights = {{{0.3, 1, 0.2}}};
     return look;
 }
 

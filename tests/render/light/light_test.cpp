@@ -20,6 +20,7 @@
 #include "vog/error.h"
 #include "vog/picture.h"
 #include "vog/picture_record.h"
+#include "vog/request_schema.h"
 
 namespace vog {
 
@@ -55,7 +56,7 @@ ValueTransfer white(double extinction) {
 VolumeLook shadows(Vec3d towards) {
     VolumeLook look;
     look.shadows = true;
-    look.towards_light = towards;
+    look.lights = {{towards}};
     return look;
 }
 VolumeLook occlusion() {
@@ -123,6 +124,10 @@ TEST(light, passes_a_box_of_one_extinction_by_its_depth) {
     cut.clip.planes.push_back({{-1, 0, 0}, -15.5});
     const float edge = drawn(cut).pixel[16 * 32 + 14].r;
     EXPECT_NEAR(edge, alpha * (0.3 + 0.7 * std::exp(-kExtinction * 1.5)), 0.02);
+    // Of all, as a choice.
+    cut.clip_lights = false;
+    EXPECT_NEAR(drawn(cut).pixel[16 * 32 + 14].r,
+                alpha * (0.3 + 0.7 * std::exp(-kExtinction * 17.5)), 0.01);
 }
 
 TEST(light, is_scattered_forward_by_its_phase_function) {
@@ -159,14 +164,15 @@ TEST(light, reaches_the_middle_of_a_sphere_from_all_sides) {
     const VoxelField field = own();
     const auto reached = lights::illumination({&volume, 1}, {&field, 1}, white(kExtinction),
                                               occlusion(), {0, 0, 1}, nullptr);
+    const device::LightLattice lattice = reached.lattice();
     const auto at = [&](Vec3d point) {
-        return reached.lattice().at({point.x, point.y, point.z}, {0, 0, 1});
+        return device::reached_at(lattice, {point.x, point.y, point.z}, {0, 0, 1});
     };
-    EXPECT_NEAR(at({23.5, 23.5, 23.5}).ambient, std::exp(-kExtinction * kRadius), 0.01);
-    EXPECT_EQ(at({23.5, 23.5, 23.5}).direct, 1);
+    EXPECT_NEAR(at({23.5, 23.5, 23.5}).ambient(), std::exp(-kExtinction * kRadius), 0.01);
+    EXPECT_EQ(at({23.5, 23.5, 23.5}).direct(0), 1);
     // At the surface half of all directions is open: 1/2 + 1/2 (1 - e^-2sR) / 2sR.
     const double across = 2 * kExtinction * kRadius;
-    EXPECT_NEAR(at({23.5 + kRadius, 23.5, 23.5}).ambient,
+    EXPECT_NEAR(at({23.5 + kRadius, 23.5, 23.5}).ambient(),
                 0.5 + 0.5 * (1 - std::exp(-across)) / across, 0.03);
 }
 
@@ -243,6 +249,8 @@ TEST(light, every_renderer_of_models_has_the_same_light) {
     VolumeLook clipped = shadows({-1, 0.5, 0});
     clipped.octaves = 4, clipped.asymmetry = 0.5;
     clipped.clip.planes.push_back({{1, 0, 0}, model.origin.x});
+    clipped.lights.push_back({{0, 0, 1}, false, 0.3});
+    all.lights.insert(all.lights.end(), {{{}, false, 0.2}, {{-1, 0.3, 0.1}, false, 0.5}});
     for (Camera camera : {from({2, 1.5, 3}), from({1, 2, 3}, 3), from({0.3, 0.2, 0.5})})
         for (const VolumeLook& look : {shadows({1, 2, 1}), occlusion(), all, clipped}) {
             camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
@@ -273,6 +281,7 @@ TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
     SlabOptions options;
     options.look = shadows({1, 2, 1});
     options.look.occlusion = true;
+    options.look.lights.push_back({{-1, 0, 2}, false, 0.4});
     ASSERT_TRUE(
         lights::illumination({model, field, light}, options.look, {0, 0, 1}).lattice().opaque);
     Camera camera = from({2, 1.5, 3});
@@ -289,6 +298,99 @@ TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
     const VolumeImage trace =
         render_volume_trace(model, field.name, opaque, camera, kEdge, kEdge, {}, {}, options.look);
     EXPECT_GT(psnr(splat, trace), 25);
+}
+
+TEST(light, of_two_sides_adds_up_to_the_closed_form) {
+    const Volume volume = cube(32, [](Vec3d at) { return std::abs(at.y - 15.5) < 3; });
+    const VoxelField field = own();
+    constexpr double kExtinction = 0.05;
+    Camera camera;
+    camera.eye = {15.5, 15.5, 100}, camera.look_at = {15.5, 15.5, 0};
+    camera.orthographic_width = 32;
+    VolumeLook look = shadows({1, 0, 0});
+    look.lights = {{{3, 0, 0}, false, 0.25}, {{-1, 0, 0}, false, 0.7}};
+    const VolumeImage picture = render_volume_reference(
+        {&volume, 1}, {&field, 1}, white(kExtinction), camera, 32, 32, {}, look);
+    const double alpha = 1 - std::exp(-32 * kExtinction);
+    for (int x = 2; x < 30; ++x) {
+        const double passed =
+            0.25 * std::exp(-kExtinction * (31.5 - x)) + 0.7 * std::exp(-kExtinction * (x + 0.5));
+        const Rgba pixel = picture.pixel[static_cast<std::size_t>(16 * 32 + x)];
+        EXPECT_NEAR(pixel.r, alpha * (look.ambient + look.diffuse * passed), 0.01);
+    }
+}
+
+TEST(light, of_several_directions_is_the_sum_of_single_ones) {
+    const Gaussians model = colored_model();
+    const ScalarField& field = model.fields.scalar.front();
+    ValueTransfer transfer = colors_of(field);
+    transfer.unit_distance = 0.02;
+    Camera camera = from({2, 1.5, 3});
+    camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
+    const Volume volume = cube(24, [](Vec3d at) { return length(at - Vec3d{12, 12, 12}) < 9; });
+    const VoxelField values = own();
+    Camera aside;
+    aside.eye = {40, 30, 60}, aside.look_at = {12, 12, 12};
+    // Below white, at which colours end.
+    const std::vector<DirectionalLight> lights{
+        {{1, 2, -1}, false, 0.2}, {{}, false, 0.1}, {{-3, 0.5, 2}, false, 0.15}};
+    for (const bool surfaces : {false, true})
+        for (const double g : {0.0, 0.3}) {
+            const auto drawn = [&](std::vector<DirectionalLight> of) {
+                VolumeLook look;
+                look.shadows = true, look.light = surfaces, look.asymmetry = g;
+                look.ambient = 0, look.diffuse = 0.5, look.specular = 0.1;
+                look.lights = std::move(of);
+                SlabOptions options;
+                options.look = look, options.precision = 0;  // every pixel
+                std::vector<VolumeImage> all{
+                    render_volume_reference({&volume, 1}, {&values, 1}, white(0.3), aside, kEdge,
+                                            kEdge, {}, look),
+                    render_volume_splat(model, field.name, transfer, camera, kEdge, kEdge, options),
+                    render_volume_trace(model, field.name, transfer, camera, kEdge, kEdge, {}, {},
+                                        look)};
+                for (const Gpu& gpu : gpus()) {
+                    gpu.prepare();
+                    all.push_back(GpuPictures(gpu.renderer, model)
+                                      .volume(field.name, transfer, camera, kEdge, kEdge,
+                                              options.slabs, look));
+                }
+                return all;
+            };
+            const auto together = drawn(lights);
+            std::vector<std::vector<VolumeImage>> single;
+            for (const DirectionalLight& light : lights) single.push_back(drawn({light}));
+            for (std::size_t n = 0; n < together.size(); ++n) {
+                double brightest = 0, worst = 0;
+                for (std::size_t pixel = 0; pixel < together[n].pixel.size(); ++pixel) {
+                    double sum = 0;
+                    for (const auto& pictures : single) sum += double{pictures[n].pixel[pixel].g};
+                    brightest = std::max(brightest, sum);
+                    worst = std::max(worst, std::abs(sum - double{together[n].pixel[pixel].g}));
+                }
+                EXPECT_GT(brightest, 0.02) << n;
+                EXPECT_LT(worst, 2e-5) << n << ' ' << surfaces << ' ' << g;
+            }
+        }
+}
+
+TEST(light, fixed_to_the_camera_turns_with_the_view) {
+    const vog::Scene scene = scene_of(colored_model());
+    PictureRequest request = request_of_json(
+        R"({"show": "volume", "field": "temperature", "size": 24, "shadows": true})");
+    for (const Vec3d eye : {Vec3d{2, 1.5, 3}, Vec3d{-1, 3, 0.5}}) {
+        Camera camera = from(eye);
+        camera.look_at = camera.look_at + colored_model().origin;
+        camera.eye = camera.eye + colored_model().origin;
+        request.camera = camera;
+        request.look.lights = {{{1, 2, 0.5}, true, 0.5}};
+        const auto of_camera = render(scene, request).sums.light;
+        const CameraFrame frame = frame_of(camera, 1, 1);
+        request.look.lights = {{frame.right + 2.0 * frame.up - 0.5 * frame.forward, false, 0.5}};
+        EXPECT_EQ(of_camera, render(scene, request).sums.light);
+        request.look.lights.front().towards = {1, 2, 0.5};
+        EXPECT_NE(of_camera, render(scene, request).sums.light);
+    }
 }
 
 TEST(light, a_sphere_is_lit_evenly) {
@@ -372,16 +474,37 @@ TEST(light, of_requests_has_its_defaults) {
     const VolumeLook studio = resolved((volume + R"("light": "studio"})").c_str());
     EXPECT_TRUE(studio.shadows && studio.occlusion && !studio.light && !studio.studio);
     EXPECT_EQ(studio.octaves, kStudioOctaves);
-    EXPECT_NEAR(length(studio.towards_light), 1, 1e-12);
-    EXPECT_EQ(resolved((volume + R"("shadows": true})").c_str()).towards_light,
-              studio.towards_light);
-    EXPECT_EQ(
-        resolved((volume + R"("shadows": true, "light_from": [0, 0, 2]})").c_str()).towards_light,
-        (Vec3d{0, 0, 2}));
-    EXPECT_EQ(resolved((volume + R"("shadows": true, "light": "head"})").c_str()).towards_light,
-              Vec3d{});
+    EXPECT_NEAR(length(studio.lights.front().towards), 1, 1e-12);
+    EXPECT_EQ(resolved((volume + R"("shadows": true})").c_str()).lights, studio.lights);
+    EXPECT_EQ(resolved((volume + R"("shadows": true, "light_from": [0, 0, 2]})").c_str()).lights,
+              (std::vector<DirectionalLight>{{{0, 0, 2}}}));
+    EXPECT_TRUE(resolved((volume + R"("shadows": true, "light": "head"})").c_str()).lights.empty());
+    // Old words are written as they were, others as texts.
+    for (const char* words :
+         {R"("light":"head")", R"("light":[1.0,2.0,0.5])", R"("light":"head=0.5")",
+          R"("light":["head",[1.0,0.0,0.0],"camera:0,1,-1=0.25"])",
+          R"("shadows":true,"light_from":["1,2,3=2","head"])"}) {
+        const PictureRequest request = request_of_json("{" + std::string(words) + "}");
+        EXPECT_EQ(request_json(request), "{" + std::string(words) + "}");
+        EXPECT_EQ(request_of_json(request_json(request)).look, request.look);
+    }
+    const std::vector<DirectionalLight> two{{{1, 2, 1}, false, 1}, {{0, 1, 1}, true, 0.4}};
+    PictureRequest of_words;
+    set_member(of_words, "light", {"1,2,1", "camera:0,1,1=0.4"});
+    EXPECT_EQ(of_words.look.lights, two);
+    for (const char* word : {"camera:0,1", "camera:head", "1,2,1=", "1,2,1=-1", "1,2,1=inf",
+                             "head=nan", "1,2,1=0.5=1", "0,0,0", "camera:0,0,0", "1,2,x", "moon"})
+        EXPECT_THROW(set_member(of_words, "light", {word}), RequestError) << word;
+    EXPECT_THROW(set_member(of_words, "light", {"head", "studio"}), RequestError);
+    EXPECT_THROW(set_member(of_words, "light", std::vector<std::string>(9, "head")), RequestError);
+    EXPECT_FALSE(
+        resolved((volume + R"("shadows": true, "clip_lights": 0, "clip": [0,0,0,1,1,1]})").c_str())
+            .clip_lights);
     for (const char* wrong :
-         {R"("light_from": [1, 0, 0]})", R"("scattering": 3})", R"("shadows": 1})",
+         {R"("shadows": true, "clip_lights": false})",
+          R"("clip_lights": false, "clip": [0, 0, 0, 1, 1, 1]})",
+          R"("shadows": true, "clip_lights": 2, "clip": [0, 0, 0, 1, 1, 1]})",
+          R"("light_from": [1, 0, 0]})", R"("scattering": 3})", R"("shadows": 1})",
           R"("shadows": true, "scattering": 0})", R"("shadows": true, "scattering": 99})",
           R"("shadows": true, "light_from": [0, 0, 0]})",
           R"("shadows": true, "light": [1, 0, 0], "light_from": [1, 0, 0]})", R"("light": "moon"})",

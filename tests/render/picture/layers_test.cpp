@@ -171,7 +171,7 @@ TEST(layers, shadow_each_other) {
         PictureRequest request =
             request_of({layer_of({1, 1, 1}, 0.9), layer_of({0, 0, 0}, 0.999, "heat")});
         request.layers[1].visible = with_roof;
-        request.look.shadows = true, request.look.towards_light = {0, 1, 0};
+        request.look.shadows = true, request.look.lights = {{{0, 1, 0}}};
         double sum = 0;
         for (const Rgba& pixel : light_of({floor, with_roof ? roof : vog::Scene{}}, request))
             sum += double{pixel.r};

@@ -194,7 +194,7 @@ TEST(surfaces, have_the_colours_of_their_points) {
 TEST(surfaces, cast_shadows_and_are_in_them) {
     const auto green = [](std::vector<vog::Scene> scenes, std::vector<Layer> layers) {
         PictureRequest request = request_of(std::move(layers));
-        request.look.shadows = true, request.look.towards_light = {1, 0, 1};
+        request.look.shadows = true, request.look.lights = {{{1, 0, 1}}};
         return double{middle_of(light_of(std::move(scenes), request)).g};
     };
     Layer white = fog(0.9999);

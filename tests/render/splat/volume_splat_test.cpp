@@ -238,7 +238,7 @@ TEST(volume_splat, edits_under_one_view_draw_no_gaussians) {
         int edit = 0;
         const auto is_drawn = [&](const Camera& from, int width, bool edits = true) {
             if (edits) ++edit;
-            if (edits && lit) options.look.towards_light = {1, 0.1 * edit, 0};
+            if (edits && lit) options.look.lights = {{{1, 0.1 * edit, 0}}};
             const ValueTransfer& transfer = transfers[lit ? 0 : edit % 2];
             renderer.set_transfer(transfer);
             renderer.set_light(options.look);
@@ -308,9 +308,9 @@ TEST(volume_splat, light_follows_the_gradient) {
             const Rgba p = draw(model, transfer, front, 9, 9, look).pixel[40];
             return double{p.r} / double{p.a};
         };
-        look.towards_light = {};
+        look.lights.clear();
         EXPECT_NEAR(color(), 0.5 * 0.8 + 0.1, 1e-4);  // head light
-        look.towards_light = {1, 0, 0};
+        look.lights = {{{1, 0, 0}}};
         EXPECT_NEAR(color(), 0.5 * 0.2, 1e-4);  // from the side
     }
 }

@@ -5,11 +5,8 @@
 
 namespace vog::device {
 
-/// Shares of light that reach a point, 0 to 1.
-struct ReachedLight {
-    float direct;   ///< of the light from its direction
-    float ambient;  ///< of the light from all directions
-};
+/// Directional lights of a picture.
+constexpr int32_t kMostLights = 8;
 
 /// Shares at the centres of cubic cells along the world's axes, linear between them, and beyond the outer ones as there.
 /// The lattice knows the place of a surface only to a cell. Points beside opaque matter therefore look their light up in front of it:
@@ -17,31 +14,53 @@ struct ReachedLight {
 struct LightLattice {
     static constexpr float kTowardsEye = 3, kTowardsLight = 2;  ///< cells
 
-    const float* direct;   ///< [size z][size y][size x]; null: all light reaches every point
-    const float* ambient;  ///< the same for ambient light
+    const float* direct;   ///< [light][size z][size y][size x]; null: all light reaches every point
+    const float* ambient;  ///< [size z][size y][size x] the same for ambient light
     /// [size z][size y][size x] how far towards the eye and the light a point looks its light up, 0 to 1; null: nowhere
     const float* opaque;
-    int32_t size[3];  ///< at least 2
-    Double3 first;    ///< centre of the first cell
-    double per_edge;  ///< cells per unit of length
-    Double3 towards;  ///< the light; unit length, or 0 0 0
-    double shift;     ///< factor of kTowardsEye and kTowardsLight
+    int32_t size[3];               ///< at least 2
+    Double3 first;                 ///< centre of the first cell
+    double per_edge;               ///< cells per unit of length
+    Double3 towards[kMostLights];  ///< the lights of `direct`; unit length, or 0 0 0
+    Double3 middle;                ///< mean of these, of ambient light
+    double shift;                  ///< factor of kTowardsEye and kTowardsLight
 
     VOG_HD bool any() const { return direct || ambient; }
     /// A value between cells.
     /// place  in cells, from the centre of the first
     VOG_HD float between(const float* values, Double3 place) const;
-    /// towards_eye  unit length
-    VOG_HD ReachedLight at(Double3 point, Double3 towards_eye) const {
-        Double3 place = per_edge * (point - first);
-        if (opaque) {
-            const double away = shift * static_cast<double>(between(opaque, place));
-            place = place + (away * static_cast<double>(kTowardsEye)) * towards_eye +
-                    (away * static_cast<double>(kTowardsLight)) * towards;
-        }
-        return {direct ? between(direct, place) : 1, ambient ? between(ambient, place) : 1};
+    VOG_HD int64_t cells() const { return static_cast<int64_t>(size[0]) * size[1] * size[2]; }
+};
+
+/// Shares of light that reach a point, 0 to 1.
+struct ReachedLight {
+    const LightLattice* lattice;  ///< null: all light
+    Double3 place;                ///< in cells, towards the eye from the point
+    double away;                  ///< cells from there towards a light
+
+    /// Share of a light from its direction.
+    VOG_HD float direct(int32_t light) const {
+        return !lattice || !lattice->direct
+                   ? 1
+                   : lattice->between(lattice->direct + light * lattice->cells(),
+                                      place + away * lattice->towards[light]);
+    }
+    /// Share of the light from all directions.
+    VOG_HD float ambient() const {
+        return !lattice || !lattice->ambient
+                   ? 1
+                   : lattice->between(lattice->ambient, place + away * lattice->middle);
     }
 };
+/// towards_eye  unit length
+VOG_HD ReachedLight reached_at(const LightLattice& lattice, Double3 point, Double3 towards_eye) {
+    if (!lattice.any()) return {nullptr, point, 0};
+    const Double3 place = lattice.per_edge * (point - lattice.first);
+    if (!lattice.opaque) return {&lattice, place, 0};
+    const double away = lattice.shift * static_cast<double>(lattice.between(lattice.opaque, place));
+    return {&lattice, place + (away * static_cast<double>(LightLattice::kTowardsEye)) * towards_eye,
+            away * static_cast<double>(LightLattice::kTowardsLight)};
+}
 
 VOG_HD float LightLattice::between(const float* values, Double3 place) const {
     const double along[3] = {place.x, place.y, place.z};

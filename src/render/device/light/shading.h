@@ -10,48 +10,63 @@ struct Shading {
     double body, shine;
 };
 
-/// Light and weights of a picture: VolumeLook (vog/volume_picture.h).
+/// A light of a picture.
+struct DirectLight {
+    Double3 towards;  ///< unit length; 0 0 0: the eye
+    double strength;  ///< factor of the weights of direct light
+};
+
+/// Lights and weights of a picture: VolumeLook (vog/volume_picture.h).
 struct BlinnPhong {
-    int32_t on;             ///< whether surfaces are shaded
-    Double3 towards_light;  ///< unit length; 0 0 0: the eye
+    int32_t on;      ///< whether surfaces are shaded
+    int32_t lights;  ///< none: all light is ambient
+    DirectLight light[kMostLights];
     double ambient, diffuse, specular, power;
     double asymmetry;  ///< of the phase function, where no surface is
 
-    /// Share of direct light that goes to the eye, of what an even phase function sends there.
-    VOG_HD double phase(Double3 towards_eye) const {
+    VOG_HD Double3 towards(int32_t n, Double3 towards_eye) const {
+        return dot(light[n].towards, light[n].towards) > 0 ? light[n].towards : towards_eye;
+    }
+    /// Share of a light that goes to the eye, of what an even phase function sends there.
+    VOG_HD double phase(int32_t n, Double3 towards_eye) const {
         if (asymmetry == 0) return 1;
-        const Double3 light = dot(towards_light, towards_light) > 0 ? towards_light : towards_eye;
-        const double c = -dot(light, towards_eye), g = asymmetry;
+        const double c = -dot(towards(n, towards_eye), towards_eye), g = asymmetry;
         return (1 - g * g) * pow(1 + g * g - 2 * g * c, -1.5);
     }
     /// gradient     of the field, of any length; 0 is no surface
     /// towards_eye  unit length
-    VOG_HD Shading shading(Double3 gradient, Double3 towards_eye, ReachedLight reached) const;
-    /// Shading without a surface, which faces no light: the colour itself where all light arrives.
-    VOG_HD Shading spread(Double3 towards_eye, ReachedLight reached) const {
+    VOG_HD Shading shading(Double3 gradient, Double3 towards_eye,
+                           const ReachedLight& reached) const;
+    /// Shading without a surface, which faces no light: the colour itself where all light of one of strength 1 arrives.
+    VOG_HD Shading spread(Double3 towards_eye, const ReachedLight& reached) const {
         const double whole = ambient + diffuse;
-        return {whole > 0 ? (ambient * static_cast<double>(reached.ambient) +
-                             diffuse * phase(towards_eye) * static_cast<double>(reached.direct)) /
-                                whole
-                          : 1,
-                0};
+        if (!(whole > 0)) return {1, 0};
+        double direct = 0;
+        for (int32_t n = 0; n < lights; ++n)
+            direct +=
+                light[n].strength * phase(n, towards_eye) * static_cast<double>(reached.direct(n));
+        return {(ambient * static_cast<double>(reached.ambient()) + diffuse * direct) / whole, 0};
     }
 };
 
 VOG_HD Shading BlinnPhong::shading(Double3 gradient, Double3 towards_eye,
-                                   ReachedLight reached) const {
+                                   const ReachedLight& reached) const {
     const double steepness = sqrt(dot(gradient, gradient));
     if (!on || !(steepness > 0) || !isfinite(steepness)) return spread(towards_eye, reached);
     Double3 normal = (1 / steepness) * gradient;
     if (dot(normal, towards_eye) < 0) normal = -1.0 * normal;
-    const Double3 light = dot(towards_light, towards_light) > 0 ? towards_light : towards_eye;
-    const double facing = fmax(dot(normal, light), 0.0);
-    const Double3 between = light + towards_eye;
-    const double mirrored =
-        facing > 0 ? fmin(fmax(dot(normal, between) / sqrt(dot(between, between)), 0.0), 1.0) : 0;
-    const double direct = reached.direct;
-    return {ambient * static_cast<double>(reached.ambient) + diffuse * facing * direct,
-            mirrored > 0 ? specular * pow(mirrored, power) * direct : 0};
+    Shading sum{ambient * static_cast<double>(reached.ambient()), 0};
+    for (int32_t n = 0; n < lights; ++n) {
+        const Double3 to = towards(n, towards_eye), between = to + towards_eye;
+        const double facing = dot(normal, to);
+        if (!(facing > 0)) continue;
+        const double direct = light[n].strength * static_cast<double>(reached.direct(n));
+        sum.body += diffuse * facing * direct;
+        const double mirrored =
+            fmin(fmax(dot(normal, between) / sqrt(dot(between, between)), 0.0), 1.0);
+        if (mirrored > 0) sum.shine += specular * pow(mirrored, power) * direct;
+    }
+    return sum;
 }
 
 }  // namespace vog::device

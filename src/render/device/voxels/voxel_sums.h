@@ -57,7 +57,8 @@ VOG_HD LightOfValue light_at(const VoxelPicture& p, const VoxelVolume& v, const 
     LightOfValue light = p.transfer.light(value);
     if (v.component[0]) light.extinction *= at.density;
     if (!p.look.on || !(light.extinction > 0)) return light;
-    const Shading by = p.look.shading(gradient_at(v, at, value), -1.0 * towards, {1, 1});
+    const Shading by =
+        p.look.shading(gradient_at(v, at, value), -1.0 * towards, {nullptr, towards, 0});
     for (int n = 0; n < 3; ++n) light.color[n] = fmin(by.body * light.color[n] + by.shine, 1.0);
     return light;
 }

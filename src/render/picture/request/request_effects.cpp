@@ -93,6 +93,8 @@ std::span<const OptionRule> request_rules() {
         {"interpolation=linear", "show", "T column mean deviation volume"},
         {"light_weights", "light shadows ambient_occlusion", "*"},
         {"light_from scattering asymmetry", "shadows light=studio", "*"},
+        {"clip_lights", "shadows ambient_occlusion light=studio", "*"},
+        {"clip_lights", "clip clip_planes", "*"},
         {"tf range scale", "window", "-"},
         {"tf range scale window", "bands", "-"},
         {"field tf range scale window bands threshold unit_distance", "layers", "-"},

@@ -111,8 +111,6 @@ Values pair(Get get, bool ascending, const char* expected) {
 Values transfer_values();
 Values bands_values();
 Values background_values();
-Values light_values();
-Values light_from_values();
 Values weights_values();
 Values box_values();
 Values planes_values();
@@ -120,6 +118,9 @@ Values plane_values();
 Values size_values();
 Values renderer_values();
 Values camera_values();
+Values light_values();  // request_lights.cpp
+Values light_from_values();
+Values clip_lights_values();
 Values layers_values();  // request_layers.cpp
 /// A layer of a command line: "stars.ply,field=age,tf=inferno,range=0,1", where the file may be missing.
 /// throws  RequestError for words that are none of its values

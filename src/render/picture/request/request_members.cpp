@@ -187,31 +187,37 @@ std::vector<Entry> volume_entries() {
               {kLeast, kMost, "a finite length above 0, world units"})},
         {{"light",
           kVolume,
-          "head|studio|X,Y,Z",
-          "Blinn-Phong shading by the gradient of the values, with light from the eye (head) or "
-          "from a world direction (towards the light). studio: instead of shading, `shadows`, "
-          "`ambient_occlusion` and three octaves of `scattering`",
+          "head|studio|[camera:]X,Y,Z[=STRENGTH]",
+          "Blinn-Phong shading by the gradient of the values, with light from the eye (head), "
+          "from a world direction (towards the light), or from one that turns with the view "
+          "(camera: right, up, towards the viewer). studio: instead of shading, `shadows`, "
+          "`ambient_occlusion` and three octaves of `scattering`. Repeatable: lights add up",
           "",
           {},
-          "volume"},
+          "volume",
+          "",
+          true},
          light_values()},
         {{"shadows",
           kVolume,
           "",
-          "Cast shadows: matter absorbs light on its way. The light comes from `light`'s "
-          "direction, otherwise from `light_from`",
+          "Cast shadows: matter absorbs light on its way. It comes from the directions of `light`, "
+          "otherwise of `light_from`",
           "",
           {},
           "volume"},
          plain(VOG_MEMBER(look.shadows))},
         {{"light_from",
           kVolume,
-          "X,Y,Z",
-          "World direction towards the light that casts `shadows`, without shading surfaces. "
-          "Default: the upper left of the view",
+          "head|[camera:]X,Y,Z[=STRENGTH]",
+          "Direction towards a light that casts `shadows`, as of `light`, without shading "
+          "surfaces. "
+          "Repeatable. Default: the upper left of the view",
           "",
           {},
-          "volume"},
+          "volume",
+          "",
+          true},
          light_from_values()},
         {{"ambient_occlusion",
           kVolume,
@@ -287,6 +293,15 @@ std::vector<Entry> volume_entries() {
           "Keep only this box of the world, cut exactly on every ray. Pages and windows start with "
           "it"},
          box_values()},
+        {{"clip_lights",
+          kClip,
+          "0|1",
+          "Whether clips also cut what absorbs light: with 0, matter that is cut off still casts "
+          "shadows",
+          "1",
+          {},
+          "volume"},
+         clip_lights_values()},
         {{"clip_planes",
           kClip,
           "NX,NY,NZ,D",

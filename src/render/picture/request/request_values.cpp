@@ -1,4 +1,4 @@
-// request_values.cpp: members of requests that are no single number or word: colours, lights, clips, bands.
+// request_values.cpp: members of requests that are no single number or word: colours, clips, bands.
 #include <array>
 #include <charconv>
 
@@ -101,36 +101,6 @@ Rgba color_of(const std::string& key, const Json& value) {
     c.resize(4, 1);
     return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]),
             static_cast<float>(c[3])};
-}
-
-Json light_json(const VolumeLook& look) {
-    if (look.studio) return "studio";
-    if (!look.light) return {};
-    const Vec3d& to = look.towards_light;
-    return to == Vec3d{} ? Json("head") : Json{to.x, to.y, to.z};
-}
-void set_light(const std::string& key, const Json& value, VolumeLook& look) {
-    const std::string expected = "head, studio or a direction x,y,z";
-    look.studio = value == "studio", look.towards_light = {};
-    look.light = !value.is_null() && !look.studio;
-    if (!look.light || value == "head") return;
-    const std::vector<double> to = row(key, value, 3, expected);
-    look.towards_light = {to[0], to[1], to[2]};
-    if (look.towards_light == Vec3d{}) refuse(key, value, expected);
-}
-
-/// Of shadows alone: the direction of a light with shading is the light's.
-Json light_from_json(const VolumeLook& look) {
-    const Vec3d& to = look.towards_light;
-    return look.light || to == Vec3d{} ? Json() : Json{to.x, to.y, to.z};
-}
-void set_light_from(const std::string& key, const Json& value, VolumeLook& look) {
-    if (value.is_null()) return;
-    if (look.light) throw RequestError(key, " has no effect beside `light`, which has a direction");
-    const std::string expected = "a direction x,y,z";
-    const std::vector<double> to = row(key, value, 3, expected);
-    look.towards_light = {to[0], to[1], to[2]};
-    if (look.towards_light == Vec3d{}) refuse(key, value, expected);
 }
 
 Json weights_json(const VolumeLook& look) {
@@ -271,14 +241,6 @@ Values background_values() {
     return {
         [](const Request& r) { return color_json(r.shading.background); },
         [](auto& key, auto& value, Request& r) { r.shading.background = color_of(key, value); }};
-}
-Values light_values() {
-    return {[](const Request& r) { return light_json(r.look); },
-            [](auto& key, auto& value, Request& r) { set_light(key, value, r.look); }};
-}
-Values light_from_values() {
-    return {[](const Request& r) { return light_from_json(r.look); },
-            [](auto& key, auto& value, Request& r) { set_light_from(key, value, r.look); }};
 }
 Values weights_values() {
     return {[](const Request& r) { return weights_json(r.look); },

@@ -55,10 +55,8 @@ class FieldLight {
         ValueLight light = pieces_(value);
         light.extinction *= weight;
         if (!(light.extinction > 0) || !(lighting_.on() || lattice_.any())) return light;
-        const device::ReachedLight reached =
-            lattice_.any()
-                ? lattice_.at(plain(ray.origin + t * ray.direction), plain(ray.towards_eye))
-                : device::ReachedLight{1, 1};
+        const device::ReachedLight reached = device::reached_at(
+            lattice_, plain(ray.origin + t * ray.direction), plain(ray.towards_eye));
         const auto [body, shine] =
             lighting_(lighting_.on() ? gradient() : Vec3d{}, ray.towards_eye, reached);
         for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);

@@ -222,7 +222,10 @@ HWY_INLINE void composite_part(D d, const SlabLight& of, const MomentLanes<V>& m
         of.look.on ? shade(d, of.look, m.gradient, rays, n, arrives, light)
                    : spread(d, of.look, rays, n, arrives, light);
     } else if (of.look.on) {
-        shade(d, of.look, m.gradient, rays, n, {one, one}, light);
+        ReachedLanes<V> arrives;
+        set_all(of, one, arrives.direct);
+        arrives.ambient = one;
+        shade(d, of.look, m.gradient, rays, n, arrives, light);
     }
     const V weight = hn::Mul(hn::Mul(seen.passed, part), along);
     for (int c = 0; c < 3; ++c) seen.c[c] = hn::MulAdd(weight, light.c[c], seen.c[c]);

@@ -59,11 +59,18 @@ struct LightLanes {
     V c[4];
 };
 
-/// device::ReachedLight in every lane.
+using device::kMostLights;
+
+/// Shares of light that reach a point in every lane.
 template <class V>
 struct ReachedLanes {
-    V direct, ambient;
+    V direct[kMostLights], ambient;  ///< direct: of as many lights as there are
 };
+/// Sets lights; those without values arrive.
+template <class V>
+HWY_INLINE void set_all(const SlabLight& of, V share, V (&direct)[kMostLights]) {
+    for (int k = 0; k < of.look.lights; ++k) direct[k] = share;
+}
 /// A place in the lattice, and how far it lies from its cell's centre.
 template <class D>
 struct PlaceLanes {
@@ -71,10 +78,11 @@ struct PlaceLanes {
     hn::Vec<D> beyond[3];
 };
 /// depth    from the slabs' depth 0
-/// towards  cells towards the light
+/// towards  cells towards a light
+/// light    direction of that
 template <class D, std::size_t kCount, class V = hn::Vec<D>>
 HWY_INLINE PlaceLanes<D> place_at(D d, const SlabLight& of, const Rays<kCount>& rays, std::size_t n,
-                                  V depth, V towards) {
+                                  V depth, V towards, const device::Double3& light) {
     const device::LightLattice& lattice = of.lattice;
     const hn::RebindToSigned<D> di;
     const auto set = [&](float v) { return hn::Set(d, v); };
@@ -99,10 +107,9 @@ HWY_INLINE PlaceLanes<D> place_at(D d, const SlabLight& of, const Rays<kCount>& 
         out.at = hn::Add(out.at, hn::Mul(cell, hn::Set(di, stride)));
         stride *= lattice.size[axis];
     };
-    const device::Double3& l = lattice.towards;
-    place(0, of.middle.x, of.right.x, of.down.x, of.forward.x, l.x);
-    place(1, of.middle.y, of.right.y, of.down.y, of.forward.y, l.y);
-    place(2, of.middle.z, of.right.z, of.down.z, of.forward.z, l.z);
+    place(0, of.middle.x, of.right.x, of.down.x, of.forward.x, light.x);
+    place(1, of.middle.y, of.right.y, of.down.y, of.forward.y, light.y);
+    place(2, of.middle.z, of.right.z, of.down.z, of.forward.z, light.z);
     return out;
 }
 /// LightLattice::between; all 1 without values.
@@ -124,7 +131,7 @@ HWY_INLINE V between(D d, const device::LightLattice& lattice, const float* valu
     };
     return mixed(2, in_layer(0), in_layer(layer));
 }
-/// LightLattice::at.
+/// device::reached_at.
 /// depth  from the slabs' depth 0
 template <class D, std::size_t kCount, class V = hn::Vec<D>>
 HWY_NOINLINE ReachedLanes<V> reached_at(D d, const SlabLight& of, const Rays<kCount>& rays,
@@ -132,41 +139,62 @@ HWY_NOINLINE ReachedLanes<V> reached_at(D d, const SlabLight& of, const Rays<kCo
     using Lattice = device::LightLattice;
     const Lattice& lattice = of.lattice;
     const V zero = hn::Zero(d);
+    const PlaceLanes<D> here = place_at(d, of, rays, n, depth, zero, lattice.middle);
+    const int lights = lattice.direct ? of.look.lights : 0;
+    ReachedLanes<V> out;
+    if (!lattice.direct) set_all(of, hn::Set(d, 1.0f), out.direct);
     if (!lattice.opaque) {
-        const PlaceLanes<D> here = place_at(d, of, rays, n, depth, zero);
-        return {between(d, lattice, lattice.direct, here),
-                between(d, lattice, lattice.ambient, here)};
+        for (int k = 0; k < lights; ++k)
+            out.direct[k] = between(d, lattice, lattice.direct + k * lattice.cells(), here);
+        out.ambient = between(d, lattice, lattice.ambient, here);
+        return out;
     }
-    const V opaque = between(d, lattice, lattice.opaque, place_at(d, of, rays, n, depth, zero));
+    const V opaque = between(d, lattice, lattice.opaque, here);
     const V edge = hn::Set(d, static_cast<float>(Lattice::kTowardsEye / lattice.per_edge));
     const V shift = hn::Div(hn::Mul(opaque, edge), hn::Load(d, rays.length.data() + n));
-    const PlaceLanes<D> place = place_at(d, of, rays, n, hn::Sub(depth, shift),
-                                         hn::Mul(opaque, hn::Set(d, Lattice::kTowardsLight)));
-    return {between(d, lattice, lattice.direct, place),
-            between(d, lattice, lattice.ambient, place)};
+    const V before = hn::Sub(depth, shift);
+    const V away = hn::Mul(opaque, hn::Set(d, Lattice::kTowardsLight));
+    PlaceLanes<D> place;
+    for (int k = 0; k < lights; ++k) {
+        place = place_at(d, of, rays, n, before, away, lattice.towards[k]);
+        out.direct[k] = between(d, lattice, lattice.direct + k * lattice.cells(), place);
+    }
+    // One light has its own middle.
+    if (lattice.ambient && lights != 1)
+        place = place_at(d, of, rays, n, before, away, lattice.middle);
+    out.ambient = between(d, lattice, lattice.ambient, place);
+    return out;
 }
 
 /// Light at one depth across a cell: of rows of nodes, [node][pixel].
 struct NodeLight {
     int slab = -1;  ///< whose front this is
-    alignas(64) CellNumbers<kNodesAcross * kCellWidth> direct, ambient;
+    using Rows = CellNumbers<kNodesAcross * kCellWidth>;
+    alignas(64) Rows direct[kMostLights];
+    alignas(64) Rows ambient;
 };
 template <class D>
 HWY_NOINLINE void find_node_light(D d, const SlabLight& of, const NodeRays& nodes, float depth,
                                   NodeLight& light) {
-    alignas(64) CellNumbers<kNodesAcross * kNodesAcross> direct, ambient;
-    for (std::size_t n = 0; n < direct.size(); n += hn::Lanes(d)) {
+    using Nodes = CellNumbers<kNodesAcross * kNodesAcross>;
+    alignas(64) Nodes direct[kMostLights];
+    alignas(64) Nodes ambient;
+    for (std::size_t n = 0; n < ambient.size(); n += hn::Lanes(d)) {
         const auto reached = reached_at(d, of, nodes, n, hn::Set(d, depth));
-        hn::Store(reached.direct, d, direct.data() + n);
+        for (int k = 0; k < of.look.lights; ++k)
+            hn::Store(reached.direct[k], d, direct[k].data() + n);
         hn::Store(reached.ambient, d, ambient.data() + n);
     }
-    for (std::size_t n = 0; n < light.direct.size(); ++n) {
-        const std::size_t x = n % kCellWidth, left = std::min(x / kNodeStep, kNodesAcross - 2);
-        const std::size_t node = n / kCellWidth * kNodesAcross + left;
-        const float beyond = static_cast<float>(x - left * kNodeStep) / kNodeStep;
-        light.direct[n] = direct[node] + beyond * (direct[node + 1] - direct[node]);
-        light.ambient[n] = ambient[node] + beyond * (ambient[node + 1] - ambient[node]);
-    }
+    const auto in_rows = [](const Nodes& of_nodes, NodeLight::Rows& rows) {
+        for (std::size_t n = 0; n < rows.size(); ++n) {
+            const std::size_t x = n % kCellWidth, left = std::min(x / kNodeStep, kNodesAcross - 2);
+            const std::size_t node = n / kCellWidth * kNodesAcross + left;
+            const float beyond = static_cast<float>(x - left * kNodeStep) / kNodeStep;
+            rows[n] = of_nodes[node] + beyond * (of_nodes[node + 1] - of_nodes[node]);
+        }
+    };
+    for (int k = 0; k < of.look.lights; ++k) in_rows(direct[k], light.direct[k]);
+    in_rows(ambient, light.ambient);
 }
 
 /// Rays of a cell, and the light that reaches its slabs.
@@ -204,7 +232,11 @@ struct CellView {
             const V a = in_depth(upper);
             return hn::MulAdd(down, hn::Sub(in_depth(lower), a), a);
         };
-        return {between(near.direct, back.direct), between(near.ambient, back.ambient)};
+        ReachedLanes<V> out;
+        for (int k = 0; k < of.look.lights; ++k)
+            out.direct[k] = between(near.direct[k], back.direct[k]);
+        out.ambient = between(near.ambient, back.ambient);
+        return out;
     }
 };
 
@@ -223,20 +255,23 @@ HWY_INLINE void spread(D d, const device::BlinnPhong& look, const CellRays& rays
     const double whole = look.ambient + look.diffuse;
     if (!(whole > 0)) return;
     const auto set = [&](double v) { return hn::Set(d, static_cast<float>(v)); };
-    V direct = hn::Mul(set(look.diffuse / whole), reached.direct);
-    if (look.asymmetry != 0) {
-        // BlinnPhong::phase
-        const double g = look.asymmetry;
-        const auto& to = look.towards_light;
-        const V along =
-            hn::MulAdd(set(to.x), hn::Load(d, rays.right.data() + n),
-                       hn::MulAdd(set(to.y), hn::Load(d, rays.down.data() + n), set(to.z)));
-        const bool head = !(dot(to, to) > 0);
-        const V cosine = head ? set(-1) : hn::Div(along, hn::Load(d, rays.length.data() + n));
-        const V gap = hn::NegMulAdd(set(2 * g), cosine, set(1 + g * g));
-        direct = hn::Mul(direct, hn::Div(set(1 - g * g), hn::Mul(gap, hn::Sqrt(gap))));
+    V body = hn::Mul(set(look.ambient / whole), reached.ambient);
+    for (int k = 0; k < look.lights; ++k) {
+        const auto& [to, strength] = look.light[k];
+        V direct = hn::Mul(set(strength * look.diffuse / whole), reached.direct[k]);
+        if (look.asymmetry != 0) {
+            // BlinnPhong::phase
+            const double g = look.asymmetry;
+            const V along =
+                hn::MulAdd(set(to.x), hn::Load(d, rays.right.data() + n),
+                           hn::MulAdd(set(to.y), hn::Load(d, rays.down.data() + n), set(to.z)));
+            const bool head = !(dot(to, to) > 0);
+            const V cosine = head ? set(-1) : hn::Div(along, hn::Load(d, rays.length.data() + n));
+            const V gap = hn::NegMulAdd(set(2 * g), cosine, set(1 + g * g));
+            direct = hn::Mul(direct, hn::Div(set(1 - g * g), hn::Mul(gap, hn::Sqrt(gap))));
+        }
+        body = hn::Add(body, direct);
     }
-    const V body = hn::MulAdd(set(look.ambient / whole), reached.ambient, direct);
     for (int c = 0; c < 3; ++c) light.c[c] = hn::Min(hn::Mul(light.c[c], body), light.c[3]);
 }
 
@@ -269,23 +304,25 @@ HWY_INLINE void shade(D d, const device::BlinnPhong& look, const V* gradient, co
     const V steep2 = dot3(gradient, gradient);
     const auto any = hn::Gt(steep2, least);
     const V per_steep = hn::Div(one, hn::Sqrt(hn::Max(steep2, least)));
-    const bool head = !(dot(look.towards_light, look.towards_light) > 0);
-    V to[3] = {set(look.towards_light.x), set(look.towards_light.y), set(look.towards_light.z)};
-    if (head)
-        for (int c = 0; c < 3; ++c) to[c] = eye[c];
     const V turn = hn::CopySign(per_steep, dot3(gradient, eye));
-    const V facing = hn::Max(hn::Mul(turn, dot3(gradient, to)), zero);
-    V between[3];
-    for (int c = 0; c < 3; ++c) between[c] = hn::Add(to[c], eye[c]);
-    const V mirrored = hn::Min(
-        hn::Mul(turn,
-                hn::Div(dot3(gradient, between), hn::Sqrt(hn::Max(dot3(between, between), least)))),
-        one);
-    const V body = hn::MulAdd(hn::Mul(set(look.diffuse), facing), reached.direct,
-                              hn::Mul(set(look.ambient), reached.ambient));
-    const V power = power_of(d, hn::Max(mirrored, set(1e-6)), look.power);
-    const V shine = hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)),
-                                       hn::Mul(hn::Mul(set(look.specular), power), reached.direct));
+    V body = hn::Mul(set(look.ambient), reached.ambient), shine = zero;
+    for (int k = 0; k < look.lights; ++k) {
+        const auto& [towards, strength] = look.light[k];
+        V to[3] = {set(towards.x), set(towards.y), set(towards.z)};
+        if (!(dot(towards, towards) > 0))
+            for (int c = 0; c < 3; ++c) to[c] = eye[c];
+        const V facing = hn::Max(hn::Mul(turn, dot3(gradient, to)), zero);
+        V between[3];
+        for (int c = 0; c < 3; ++c) between[c] = hn::Add(to[c], eye[c]);
+        const V length_between = hn::Sqrt(hn::Max(dot3(between, between), least));
+        const V mirrored =
+            hn::Min(hn::Mul(turn, hn::Div(dot3(gradient, between), length_between)), one);
+        body = hn::MulAdd(hn::Mul(set(strength * look.diffuse), facing), reached.direct[k], body);
+        const V power = power_of(d, hn::Max(mirrored, set(1e-6)), look.power);
+        const V more = hn::Mul(hn::Mul(set(strength * look.specular), power), reached.direct[k]);
+        shine = hn::Add(
+            shine, hn::IfThenElseZero(hn::And(hn::Gt(mirrored, zero), hn::Gt(facing, zero)), more));
+    }
     LightLanes<V> plain = light;
     if (!hn::AllTrue(d, any)) spread(d, look, rays, n, reached, plain);
     for (int c = 0; c < 3; ++c) {

@@ -27,11 +27,13 @@ using namespace splat;
 
 namespace {
 
-/// Blinn and Phong's light along right, down and forward of a picture.
+/// Blinn and Phong's lights along right, down and forward of a picture.
 device::BlinnPhong along_view(const VolumeLook& look, const CameraFrame& frame) {
     device::BlinnPhong out = blinn_phong(look);
-    const Vec3d to{out.towards_light.x, out.towards_light.y, out.towards_light.z};
-    out.towards_light = {dot(to, frame.right), -dot(to, frame.up), dot(to, frame.forward)};
+    for (auto& [towards, strength] : out.light) {
+        const Vec3d to{towards.x, towards.y, towards.z};
+        towards = {dot(to, frame.right), -dot(to, frame.up), dot(to, frame.forward)};
+    }
     return out;
 }
 
@@ -70,7 +72,8 @@ struct SlabModel {
     double precision;
     tbb::enumerable_thread_specific<SlabBuffers> buffers;
     int drawn_pictures = 0;
-    int edits = 0;  ///< counts changes of transfer function and light
+    int edits = 0;      ///< counts changes of transfer function and light
+    int transfers = 0;  ///< counts those of the transfer function
     /// The latest views, and the edit that each was last drawn after: of a picture and two finer ones with more rays a pixel.
     std::deque<std::pair<View, int>> views;
     KeptSums kept;
@@ -153,7 +156,8 @@ KeptSums* SlabModel::sums_for(const View& view) {
 void SlabModel::set_reached(const LightOfMoments& of, SlabLight& light) {
     const CameraFrame& frame = whole.frame;
     if (!joint)
-        reached.update(edits, {*gaussians, *field, of, model.unit, processes}, look, frame.forward);
+        reached.update(transfers, {*gaussians, *field, of, model.unit, processes}, look,
+                       frame.forward);
     light.lattice = (joint ? *joint : *reached).lattice(gaussians->origin);
     const auto cells = [&](Vec3d v) {
         const Vec3f c = vec_cast<float>(light.lattice.per_edge * v);
@@ -316,7 +320,7 @@ void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
     s.light =
         LightOfMoments(transfer, s.slabs.range, s.slabs.field->is_measure, s.slabs.model.unit);
     s.transfer = transfer;
-    ++s.slabs.edits;
+    ++s.slabs.edits, ++s.slabs.transfers;
 }
 
 void SlabRenderer::set_light(const VolumeLook& look) {

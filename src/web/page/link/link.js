@@ -17,7 +17,7 @@ export function firstState(page, panel) {
     show: 'T', field: -1, part: '',
     scale: null,     // null: the first view's; {log}: its logarithm, or not
     transfers: {},   // edited ones, by field
-    light: { on: false, towards: [0, 0, 0], weights: page.picture.light_weights, shadows: false, occlusion: false, scattering: 1, asymmetry: 0 }, clip: null, planes: [],
+    light: { on: false, lights: [], weights: page.picture.light_weights, shadows: false, occlusion: false, scattering: 1, asymmetry: 0, clipped: true }, clip: null, planes: [],
     logAxis: false,  // of the values in the editor
     pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
   };
@@ -51,7 +51,7 @@ const words = {
 };
 
 /** Members of a request that have a default in every picture. */
-export const pictureWords = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'asymmetry', 'clip',
+export const pictureWords = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'asymmetry', 'clip_lights', 'clip',
   'clip_planes', 'camera'];
 
 /** A value of JSON, without its brackets or quotes where it has none. */

@@ -3,7 +3,7 @@
 import { isUsable } from '../camera.js';
 import { mostOwnPlanes } from '../picture/clip.js';
 import { reversed, walker } from '../picture/colors.js';
-import { towardsLight } from '../picture/light.js';
+import { fixedLights } from '../picture/light.js';
 import { mostOpacity, overRange } from '../picture/transfer.js';
 import { automaticRange, comparable, fieldKey, shownOf, shows } from '../quantity.js';
 import { length, sub } from '../vectors.js';
@@ -21,6 +21,28 @@ const areNumbers = (value, count) => Array.isArray(value) && value.length === co
 const areShares = (values) => values.every((v) => v >= 0 && v <= 1);
 const isAbove = (value) => Number.isFinite(value) && value > 0;
 const isDirection = (value) => areNumbers(value, 3) && length(value) > 0;
+const mostLights = 8, lightWords = 'head, x,y,z or camera:x,y,z, with or without a strength as in head=0.5, or a list';
+
+/** A light of a request: [1, 2, 1], "head=0.5", "camera:0,1,1=0.4". */
+function readLight(value) {
+  const [to, strength = '1', ...more] = String(value).split('='), ofCamera = to.startsWith('camera:'), numbers = (text) => text.split(',').map((part) => (part.trim() ? Number(part) : NaN));
+  const towards = to === 'head' ? [0, 0, 0] : numbers(ofCamera ? to.slice(7) : to), [factor] = numbers(strength);
+  return more.length === 0 && factor >= 0 && factor < Infinity && (to === 'head' || isDirection(towards)) ? { towards, ofCamera, strength: factor } : null;
+}
+/** A light, or a list of lights; null: some are none. */
+function readLights(value) {
+  const lights = (Array.isArray(value) && !value.every(Number.isFinite) ? value : [value]).map(readLight);
+  return lights.length <= mostLights && lights.every(Boolean) ? lights : null;
+}
+/** Value of a request for these lights. */
+function writeLights(lights) {
+  const words = lights.map(({ towards, ofCamera, strength }) => {
+    const isHead = length(towards) === 0;
+    if (!ofCamera && strength === 1) return isHead ? 'head' : towards;
+    return `${isHead ? 'head' : `${ofCamera ? 'camera:' : ''}${towards}`}${strength === 1 ? '' : `=${strength}`}`;
+  });
+  return words.length === 1 ? words[0] : words;
+}
 /** Points [[value, share, ...], ...] in order of their values. */
 const arePoints = (all, count) => Array.isArray(all) && all.length > 0 &&
   all.every((p, n) => areNumbers(p, count) && areShares(p.slice(1)) && (n === 0 || p[0] >= all[n - 1][0]));
@@ -141,16 +163,19 @@ export function partOfRequest(page, state, request, home) {
   take('extinction', 'auto or a number above 0', (value) => (value === 'auto' ? { exposure: 1 } : isAbove(value) ? { exposure: value / model.extinction } : null), { exposure: 1 });
   take('blend', 'true or false', (fade) => (typeof fade === 'boolean' ? { fade } : null), { fade: false });
   const lit = (more) => ({ light: { ...state.light, ...part.light, ...more } }), flag = (key, value) => (typeof value === 'boolean' ? lit({ [key]: value }) : null);
-  take('light', 'head, studio or a direction x,y,z', (to) => (to === 'studio' ? lit({ ...studio, on: false, towards: [0, 0, 0] })
-    : to === 'head' || isDirection(to) ? lit({ on: true, towards: to === 'head' ? [0, 0, 0] : to }) : null), lit({ on: false }));
+  take('light', `studio, ${lightWords}`, (to) => {
+    const isStudio = to === 'studio', lights = isStudio || to === 'head' ? [] : readLights(to);
+    return lights && lit({ ...(isStudio && studio), on: !isStudio, lights });
+  }, lit({ on: false }));
   take('light_weights', 'four numbers', (weights) => (areNumbers(weights, 4) ? lit({ weights }) : null), {});
   const unlit = (less) => (request.light === 'studio' ? {} : lit(less));
   take('shadows', 'true or false', (on) => flag('shadows', on), unlit({ shadows: false }));
   take('ambient_occlusion', 'true or false', (on) => flag('occlusion', on), unlit({ occlusion: false }));
   take('scattering', `1 to ${mostOctaves}`, (n) => (Number.isInteger(n) && n >= 1 && n <= mostOctaves ? lit({ scattering: n }) : null), unlit({ scattering: 1 }));
   take('asymmetry', '-0.99 to 0.99', (g) => (Math.abs(g) < 1 ? lit({ asymmetry: g }) : null), unlit({ asymmetry: 0 }));
-  const { on } = part.light ?? state.light, own = (towards) => (on ? {} : lit({ towards }));
-  take('light_from', 'a direction x,y,z', (to) => (isDirection(to) ? own(to) : null), own([0, 0, 0]));
+  take('clip_lights', 'true or false', (on) => ([true, false, 1, 0].includes(on) ? lit({ clipped: Boolean(on) }) : null), lit({ clipped: true }));
+  const { on } = part.light ?? state.light, own = (lights) => lights && (on ? {} : lit({ lights }));
+  take('light_from', lightWords, (to) => own(readLights(to)), own([]));
   if (on && request.light_from) problems.push('light_from has no effect beside light, which has a direction');
   else if (!(part.light ?? state.light).shadows)
     for (const key of ['light_from', 'scattering', 'asymmetry']) if (request[key] && request[key] !== 1) problems.push(`${key} has no effect without shadows`);
@@ -187,7 +212,7 @@ export function partOfRequest(page, state, request, home) {
   take('unit_distance', 'a length above 0', (value) => (isAbove(value) ? {} : null), {});
   const { light } = part, view = part.camera ?? state.camera;
   // The light of the first view: it does not turn with the camera.
-  if (light?.shadows && !light.on && view && length(light.towards) === 0) light.towards = towardsLight(light, view);
+  if (light?.shadows && !light.on && view) light.lights = fixedLights(light, view);
   for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
 
   const stated = (...keys) => keys.some((key) => request[key] !== undefined);
@@ -228,11 +253,12 @@ export function requestOf(page, state, { scale, size, background }) {
     Object.assign(request, { range: [low, high], scale: log ? 'log' : 'linear', ...(volume && { unit_distance: unit }) });
   }
   if (volume) {
-    const { on, towards, weights, shadows, occlusion, scattering, asymmetry } = state.light, isAside = length(towards) > 0;
-    request.light = on ? (isAside ? towards : 'head') : null;
+    const { on, lights, weights, shadows, occlusion, scattering, asymmetry, clipped } = state.light, word = writeLights(lights);
+    request.light = on ? (lights.length > 0 ? word : 'head') : null;
     if (on || shadows || occlusion) request.light_weights = weights;
     if (shadows || page.picture.shadows) request.shadows = shadows;
-    if (shadows) Object.assign(request, { scattering, asymmetry, ...(!on && isAside && { light_from: towards }) });
+    if (shadows) Object.assign(request, { scattering, asymmetry, ...(!on && lights.length > 0 && { light_from: word }) });
+    if ((shadows || occlusion) && !clipped && (state.clip || state.planes.some((plane) => plane.on))) request.clip_lights = false;
     if (occlusion || page.picture.ambient_occlusion) request.ambient_occlusion = occlusion;
   }
   if (state.clip || page.picture.clip) request.clip = state.clip ? [...state.clip.lower, ...state.clip.upper] : null;

@@ -203,10 +203,52 @@ export function ambientDraft(lattice) {
   return doubled(ambientLight(half), half.size, lattice.size);
 }
 
-/** Direction to the light of a look: its own, else the eye's with shading by gradients, else the upper left of the view, in few digits for links. */
-export function towardsLight({ on, towards }, camera) {
+/** Direction of the world of one along right, up and towards the viewer. */
+export function ofView([x, y, z], camera) {
   const { right, up, forward } = axesOf(camera);
-  return length(towards) > 0 ? towards : on ? mul(-1, forward) : normalized(add(mul(-0.6, right), add(mul(0.9, up), mul(-0.6, forward)))).map((v) => Number(v.toFixed(4)));
+  return add(mul(x, right), add(mul(y, up), mul(-z, forward)));
+}
+
+/**
+ * Lights of a look, [{towards: direction of the world, unit length; 0 0 0: the eye, strength}].
+ * Without any the eye with shading by gradients, else the upper left of the view, in few digits for links.
+ */
+export function lightsOf({ on, lights }, camera) {
+  if (lights.length === 0) return [{ towards: on ? [0, 0, 0] : normalized(ofView([-0.6, 0.9, 0.6], camera)).map((v) => Number(v.toFixed(4))), strength: 1 }];
+  return lights.map(({ towards, ofCamera, strength }) => ({ towards: length(towards) > 0 ? normalized(ofCamera ? ofView(towards, camera) : towards) : towards, strength }));
+}
+
+/** The same lights as directions that cast shadows. */
+const directionsOf = (light, camera) => lightsOf(light, camera).map(({ towards }) => (length(towards) > 0 ? towards : mul(-1, axesOf(camera).forward)));
+
+/** Lights that stay where they are while the view turns, of a look that may have none. */
+export function fixedLights(light, camera) {
+  return light.lights.length > 0 ? light.lights : [{ towards: directionsOf(light, camera)[0], ofCamera: false, strength: 1 }];
+}
+
+/** Lights of a look whose first one has other parts. */
+export function withFirst({ lights: [first = { ofCamera: false, strength: 1 }, ...others] }, part) {
+  return [{ ...first, ...part }, ...others];
+}
+
+const rim = 0.9;  // place of a light that comes from behind, from the middle of the picture
+
+/** Place of the first light over the picture (points of camera.js), from the middle as far as it is turned from the eye's: light_place of apps/viewer. */
+export function lightPlace(light, camera) {
+  const { right, up, forward } = axesOf(camera), [{ towards }] = lightsOf(light, camera);
+  const x = dot(towards, right), y = dot(towards, up), across = Math.hypot(x, y), ahead = -dot(towards, forward);
+  const away = across > 0 ? (rim * Math.atan2(across, ahead)) / (Math.PI * across) : 0;
+  return across > 0 ? [away * x, away * y] : [0, ahead < 0 ? rim : 0];
+}
+
+/** Whether it comes from behind the data. */
+export const isBehind = (place) => Math.hypot(...place) > 0.5 * rim;
+
+/** Lights whose first one is dragged by a step over the picture; one at the eye becomes one of the world. */
+export function draggedLights(light, camera, step) {
+  const [x, y] = lightPlace(light, camera).map((v, k) => v + step[k]), away = Math.hypot(x, y);
+  const angle = Math.PI * Math.min(away / rim, 1), across = away > 0 ? Math.sin(angle) / away : 0, to = [across * x, across * y, Math.cos(angle)];
+  return withFirst(light, { towards: (light.lights[0]?.ofCamera ? to : ofView(to, camera)).map((v) => Number(v.toFixed(4))) });
 }
 
 /** Reached light of the latest picture as a texture on a unit of its own. A light that moves only marches again. */
@@ -228,23 +270,27 @@ export class ReachedLight {
    */
   update(model, mean, { whole, light, camera, transfer, clip, draft }) {
     if (!whole || !(light.shadows || light.occlusion)) return null;
-    const lattice = this.of('lattice', [model, whole.instances, whole.data, transfer, clip.box, clip.planes], () => {
+    const cuts = light.clipped ? clip : { box: null, planes: [] };
+    const lattice = this.of('lattice', [model, whole.instances, whole.data, transfer, cuts.box, light.clipped && clip.planes], () => {
       const made = extinctionLattice(model, whole, extinctionIn(mean));
-      cut(made, model, clip);
+      cut(made, model, cuts);
       return made;
     });
-    const towards = towardsLight(light, camera);
-    const direct = light.shadows && this.of('direct', [lattice, light.scattering, ...towards], () => directLight(lattice, towards, light.scattering));
+    const towards = light.shadows ? directionsOf(light, camera) : [];
+    const direct = towards.map((to, n) => this.of(`direct ${n}`, [lattice, light.scattering, ...to], () => directLight(lattice, to, light.scattering)));
     const known = draft && this.kept.ambient?.things[0] !== lattice ? 'draft' : 'ambient', make = { draft: ambientDraft, ambient: ambientLight }[known];
     const ambient = light.occlusion && this.of(known, [lattice], () => make(lattice));
     const opaque = this.of('opaque', [lattice], () => opaqueCells(lattice));
-    this.of('texture', [direct, ambient, opaque], () => this.upload(lattice.size, direct, ambient, opaque));
-    return { ...lattice, towards: light.shadows ? normalized(towards) : [0, 0, 0] };
+    this.of('texture', [ambient, opaque, ...direct], () => this.upload(lattice.size, direct.length > 0 ? direct : [null], ambient, opaque));
+    return { ...lattice, towards };
   }
 
-  upload(size, ...parts) {
-    const { gl } = this, texels = new Float32Array(3 * size[0] * size[1] * size[2]).fill(1);
-    for (const [part, values] of parts.entries()) if (values) for (let n = 0; n < values.length; ++n) texels[3 * n + part] = values[n];
+  /** Lights one after another along z. */
+  upload([width, height, depth], direct, ...parts) {
+    const { gl } = this, cells = width * height * depth, texels = new Float32Array(3 * cells * direct.length).fill(1), size = [width, height, depth * direct.length];
+    direct.forEach((own, light) => [own, ...parts].forEach((values, part) => {
+      if (values) for (let n = 0, at = 3 * cells * light + part; n < cells; ++n, at += 3) texels[at] = values[n];
+    }));
     gl.activeTexture(gl.TEXTURE0 + this.unit);
     gl.bindTexture(gl.TEXTURE_3D, this.texture);
     gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGB16F, ...size, 0, gl.RGB, gl.FLOAT, texels);

@@ -1,10 +1,10 @@
 // slabs.js: volume rendering by value: moments of a field added up in depth slabs, four a pass (with light two), classified and composited
 // front to back (docs/volume_rendering.md); largest values of a field, eight slabs a pass. Nothing is sorted. All slabs have the same depth and divide the
 // range of the picture, as in src/render/splat/volume.
-import { dot, isSame, length, mul, normalized, sub } from '../vectors.js';
+import { add, dot, isSame, mul, sub } from '../vectors.js';
 import { axesOf } from '../camera.js';
 import { coveredBy } from './covered.js';
-import { ReachedLight, towardsLightCells } from './light.js';
+import { ReachedLight, lightsOf, towardsLightCells } from './light.js';
 import { lightOf } from './transfer.js';
 
 const tableSize = [1024, 21];   // MeanLight of render/device/expected_light.h
@@ -255,7 +255,7 @@ export class Slabs {
   }
 
   setFinish(used, model, camera, what, first) {
-    const { right, up, forward } = axesOf(camera), { towards, on, weights: [ambient, diffuse, ...shine], shadows, asymmetry } = what.light, { light, renderer, lattice } = this;
+    const { right, up, forward } = axesOf(camera), { on, weights: [ambient, diffuse, ...shine], shadows, asymmetry } = what.light, { light, renderer, lattice } = this;
     used.use();
     renderer.setScreen(used, model, camera);
     used.set('first_row', first);
@@ -269,8 +269,9 @@ export class Slabs {
     // Without a light from a direction all light is ambient.
     used.set('lighting', ...(on || shadows ? [ambient, diffuse] : [ambient + diffuse, 0]), shine[0], on ? shine[1] : 0);
     used.set('asymmetry', on || shadows ? asymmetry : 0);
-    const to = length(towards) > 0 ? normalized(towards) : towards;
-    used.set('towards_light', dot(to, right), dot(to, up), dot(to, forward));
+    const lights = on || shadows ? lightsOf(what.light, camera) : [];
+    used.setInteger('light_count', lights.length);
+    if (lights.length > 0) used.setList('lights[0]', lights.flatMap(({ towards: to, strength }) => [dot(to, right), dot(to, up), dot(to, forward), strength]));
     used.setInteger('reached', reachedUnit);
     used.set('reaches', lattice ? 1 : 0);
     if (!lattice) return;
@@ -279,7 +280,10 @@ export class Slabs {
     // Centres of texels lie half a cell from the faces.
     used.set('reach_eye', ...place(eye.map((one, k) => one - lattice.first[k] + 0.5 * lattice.edge)));
     used.set('reach_edge', lattice.edge);
-    used.set('reach_light', ...place(mul(towardsLightCells * lattice.edge, lattice.towards)));
+    const towards = lattice.towards.map((to) => place(mul(towardsLightCells * lattice.edge, to))), zero = [0, 0, 0];
+    used.setList('reach_light[0]', [zero, ...towards].slice(towards.length > 0 ? 1 : 0).flatMap((to) => [...to, 0]));
+    used.set('reach_middle', ...towards.reduce((sum, to) => add(sum, mul(1 / towards.length, to)), zero));
+    used.set('reach_layers', Math.max(towards.length, 1), 0.5 / lattice.size[2]);
     used.set('reach_right', ...place(right));
     used.set('reach_up', ...place(up));
     used.set('reach_forward', ...place(forward));

@@ -1,6 +1,7 @@
 // motions.js: what hands and keys do to a Viewer: motions of its camera, exposure, colours, and the values of a right drag.
 import { mul, normalized, sub } from '../vectors.js';
 import { fitted, flown, orbited, rolled, seenFrom, withOtherProjection } from '../camera.js';
+import { draggedLights } from '../picture/light.js';
 import { remapped } from '../picture/transfer.js';
 
 const degrees5 = Math.PI / 36;
@@ -40,6 +41,15 @@ export function stand(view, axis) {
   if (still) return view.change({});
   const along = Math.abs(normalized(sub(camera.at, camera.eye))[axis]) > 0.999;
   view.move({ ...camera, up: along ? camera.up : upright });
+}
+
+/** Whether the picture has a light to drag: a volume's that shades surfaces or casts shadows. */
+export const hasLight = ({ state: { show, light } }) => show === 'volume' && (light.on || light.shadows);
+
+/** Turns the first light by a step over the picture. */
+export function dragLight(view, step) {
+  const { light, camera } = view.state;
+  view.change({ light: { ...light, lights: draggedLights(light, camera, step) } });
 }
 
 /** An edited transfer function of the shown field, a unit of 0 for the field's own; null: the first one again. */

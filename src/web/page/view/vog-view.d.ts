@@ -1,5 +1,7 @@
 // vog-view.d.ts: types of the module vog-view.js (docs/web_element.md).
 export type Vector = [number, number, number];
+/** 'head', a direction, or a text: 'camera:0,1,1=0.4', with a strength. */
+export type Light = Vector | string;
 export interface Camera { eye: Vector; look_at: Vector; up?: Vector; fov_degrees?: number; orthographic_width?: number }
 export interface TransferFunction {
   name?: string;
@@ -23,10 +25,11 @@ export interface PictureSettings {
   extinction?: number | 'auto' | null;
   blend?: boolean | null;
   background?: 'black' | 'white' | 'transparent' | 'system' | Vector | [number, number, number, number] | null;
-  light?: 'head' | 'studio' | Vector | null;
+  light?: 'studio' | Light | Light[] | null;
   light_weights?: [number, number, number, number] | null;
   shadows?: boolean | null;
-  light_from?: Vector | null;
+  clip_lights?: boolean | null;
+  light_from?: Light | Light[] | null;
   ambient_occlusion?: boolean | null;
   scattering?: number | null;
   asymmetry?: number | null;

@@ -1,5 +1,5 @@
-// clip_box.cpp: projection of the clip box and of slices, and the motion of faces and slices.
-#include "ui/clip_box.h"
+// handles.cpp: the clip box, slices and the light over the picture, and their motions.
+#include "ui/handles.h"
 
 #include <imgui.h>
 
@@ -185,6 +185,50 @@ void drag_clip_face(Session& session, const Rect& picture, Face face, float dx, 
             std::min(std::max(next.lower[face.axis] + moved, data.lower[face.axis]),
                      next.upper[face.axis] - least);
     attempt(session, [&] { session.set_clip(next); });
+}
+
+namespace {
+
+/// Place of the first light in the middle of the picture.
+ImVec2 place_of_light(const Session& session, const Rect& picture) {
+    const ScreenPoint at = light_place(lights_of(session.quantity.look).front(), session.camera);
+    const double half = 0.5 * double{picture.height};
+    return {picture.x + 0.5f * picture.width + static_cast<float>(half * at.x),
+            picture.y + 0.5f * picture.height - static_cast<float>(half * at.y)};
+}
+
+}  // namespace
+
+bool has_light(const Session& session) {
+    const VolumeLook& look = session.quantity.look;
+    return session.quantity.show == Show::volume && (look.light || look.shadows);
+}
+
+void draw_light(const Session& session, const Layout& layout) {
+    if (!has_light(session)) return;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const ImVec2 at = place_of_light(session, layout.picture);
+    const Rect& r = layout.picture;
+    const bool behind = std::hypot(at.x - r.x - 0.5f * r.width, at.y - r.y - 0.5f * r.height) >
+                        0.25f * static_cast<float>(kLightRim) * r.height;
+    // A light behind the data is hollow.
+    list.AddCircleFilled(at, 6 * layout.ui, behind ? kGround : IM_COL32(255, 214, 90, 255));
+    list.AddCircle(at, 6 * layout.ui, IM_COL32(255, 214, 90, 255), 0, 2 * layout.ui);
+    list.AddCircle(at, 8 * layout.ui, IM_COL32(20, 20, 24, 200), 0, layout.ui);
+}
+
+bool is_light_at(const Session& session, const Rect& picture, float ui, float x, float y) {
+    if (!has_light(session)) return false;
+    const ImVec2 at = place_of_light(session, picture);
+    return std::hypot(at.x - x, at.y - y) < 10 * ui;
+}
+
+void drag_light(Session& session, double dx, double dy) {
+    if (!has_light(session)) return;
+    std::vector<DirectionalLight>& lights = session.quantity.look.lights;
+    session.values.change_lights(lights);
+    lights = lights_of(session.quantity.look);
+    lights.front() = dragged(lights.front(), session.camera, {dx, dy});
 }
 
 }  // namespace vog::viewer

@@ -1,4 +1,4 @@
-// clip_box.h: the clip box and slices over the picture, which can be dragged.
+// handles.h: Handles over the picture, to drag: faces of the clip box, slices, and the light.
 #pragma once
 
 #include <optional>
@@ -19,5 +19,14 @@ std::optional<Face> clip_face_at(const Session& session, const Rect& picture, fl
 void drag_clip_face(Session& session, const Rect& picture, Face face, float dx, float dy);
 /// Offsets of planes that meet the data of a layer with a slice.
 std::pair<double, double> slice_range(const Session& session, std::size_t layer);
+
+/// Whether the picture has a light to drag: a volume's that shades surfaces or casts shadows.
+bool has_light(const Session& session);
+/// Draws a sphere where the first light comes from: in the middle the eye's, at the rim that from behind.
+void draw_light(const Session& session, const Layout& layout);
+/// Whether that sphere is at a point, in ImGui's coordinates.
+bool is_light_at(const Session& session, const Rect& picture, float ui, float x, float y);
+/// Turns the first light by a drag in the picture.
+void drag_light(Session& session, double dx, double dy);
 
 }  // namespace vog::viewer
