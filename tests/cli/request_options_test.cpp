@@ -96,8 +96,10 @@ TEST(request_options, words_that_are_none_are_refused) {
     expect_in(volume_refused("--unit-distance=-1"), "--unit-distance -1: expected a finite length");
     expect_in(volume_refused("--unit-distance inf"), "expected a finite length");
     expect_in(volume_refused("--light up"),
-              "--light up: expected head, studio or a direction x,y,z");
-    expect_in(volume_refused("--light 0,0,0"), "expected head, studio or a direction");
+              "--light up: expected studio, head, x,y,z or camera:x,y,z");
+    expect_in(volume_refused("--light 0,0,0"), "expected a direction of a length above 0");
+    expect_in(volume_refused("--light 1,2,1=-1"), "expected a finite strength");
+    EXPECT_TRUE(request_of("--show volume --light camera:0,1,1=0.4").look.lights.at(0).of_camera);
     expect_in(volume_refused("--light head --set light-weights=1,-1,0,1"), "diffuse -1");
     expect_in(volume_refused("--light head --set light-weights=1,1"), "ambient, diffuse");
     EXPECT_EQ(volume_refused("--band 1,2,red,1 --band 2,3,blue,0.5 --light=-1,2,0"), "accepted");

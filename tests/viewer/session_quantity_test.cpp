@@ -180,7 +180,7 @@ TEST_F(view_command, scales_and_slices_of_layers_are_moved) {
     make_cloud();
     play("cloud.ply",
          "size 900 700\noverlay off\ncolorbar off\nwait\npicture before.png\n"
-         "drag left 50% 50% 50% 40%\nwait\npicture dragged.png\n"
+         "drag left 62% 38% 62% 30%\nwait\npicture dragged.png\n"
          "press layer-1-log\nwait\npicture log.png\n",
          " --show volume --layer tf=hot,range=0.1,2,scale=linear --layer band=0.5,1,red,0.5 "
          "--layer plane=z,tf=gray,opacity=0.5");
@@ -195,8 +195,8 @@ TEST_F(view_command, scales_and_slices_of_layers_are_moved) {
     const auto offset = [&](std::size_t n) { return *requests[n].layers[2].plane->offset; };
     EXPECT_LT(offset(1), offset(0));
     EXPECT_EQ(offset(2), offset(1));
-    EXPECT_FALSE(*requests[1].layers[0].transfer.log);
-    EXPECT_TRUE(*requests[2].layers[0].transfer.log);
+    EXPECT_EQ(requests[1].layers[0].fit, ScaleFit::linear);
+    EXPECT_EQ(requests[2].layers[0].fit, ScaleFit::log);
 }
 
 TEST_F(view_command, mouse_and_keys_reach_quantities) {

@@ -68,10 +68,10 @@ DirectionalLight light_of(const std::string& key, const Json& value) {
     return light;
 }
 
-/// A light, or a list of lights.
+/// A light, or a list of lights: the words of one light, divided by commas, have a number, that of y.
 std::vector<DirectionalLight> lights_of(const std::string& key, const Json& value) {
     const bool list =
-        value.is_array() && !value.empty() && !std::ranges::all_of(value, &Json::is_number);
+        value.is_array() && !value.empty() && std::ranges::none_of(value, &Json::is_number);
     if (!list) return {light_of(key, value)};
     if (value.size() > kMostDirectionalLights)
         throw RequestError(key, fmt::format(": {} lights, expected {} at most", value.size(),
