@@ -40,7 +40,7 @@ struct ForField {
     bool is_default_image() const {
         const VoxelField& field = data.fields[data.field].front();
         return data.levels.front().is_image && field_names(data.fields)[data.field].own &&
-               field.lower < field.upper && !moments.error && !moments.budget &&
+               field.lower < field.upper && moments.error == 0 && !moments.budget &&
                !moments.block_voxels;
     }
     bool is_judged() const {
