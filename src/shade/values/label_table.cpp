@@ -84,9 +84,9 @@ std::vector<LabelRow> rows_of(const std::string& text, const std::string& where)
         const double sum = row.label + row.r + row.g + row.b + row.opacity;
         if (!std::isfinite(sum) || row.label != std::floor(row.label))
             throw Error(
-                fmt::format("{}line {} '{}', expected JSON, or a table of labels: 'label name r g "
-                            "b a' as of 3D "
-                            "Slicer, or 'label r g b opacity visible mesh \"name\"' as of ITK-SNAP",
+                fmt::format("{}no transfer function: not JSON, and line {} '{}' is no row of a "
+                            "table of labels, 'label name r g b a' as of 3D Slicer or 'label r g b "
+                            "opacity visible mesh \"name\"' as of ITK-SNAP",
                             where, number, printable(line, 60)));
         if (rows.size() == kMostRows)
             throw Error(fmt::format("{}more than {} labels", where, kMostRows));
