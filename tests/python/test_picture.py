@@ -341,7 +341,7 @@ BAD = [
     # Keywords without effect on T.
     *(({key: value}, f"{key} has no effect on show 'T', expected ") for key, value in (
         ("field", "heat"), ("range", (0, 1)), ("scale", "log"), ("window", (1, 2)), ("bands", [(0, 1, (1, 1, 1), 1)]), ("threshold", 1),
-        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("ambient_occlusion", True), ("scattering", 2), ("asymmetry", 0.2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
+        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("clip_lights", False), ("ambient_occlusion", True), ("scattering", 2), ("asymmetry", 0.2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
     ({"show": "column", "extinction": 2}, "extinction has no effect on show 'column'"), ({"show": "volume", "blend": True}, "blend has no effect"),
 ]  # fmt: skip
 
