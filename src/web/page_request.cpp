@@ -52,7 +52,6 @@ HtmlOptions html_options(const PictureRequest& request, const Gaussians& model,
     if (one.field.empty())
         if (const ScalarField* field = scalar_to_begin_with(model.fields)) one.field = field->name;
     if (one.field.empty()) return options;  // which write_html refuses
-    one.options.clip = {};
     const ResolvedPicture picture =
         resolve(one, scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)));
     quantity.field = picture.field.field;

@@ -333,7 +333,7 @@ class Trial:
                 self.faults.append(f"vog {command} {' '.join(words)}: another result the second time")
         # vog-mpi has the options of vog, and few cases.
         self.faults += [f"vog {command} {option}: no case in which it has an effect" for (command, option), used in self.works.items()
-                        if not used and not command.startswith("mpi ") and (command, option) != ("page", "--set clip-lights")]  # refused there beside --clip, too
+                        if not used and not command.startswith("mpi ")]
 
 
 def main():

@@ -10,7 +10,6 @@ ValueTransfer stated_transfer(PictureRequest request, const Gaussians& model,
                               const ScalarField& field, std::vector<std::string>& notes) {
     request.show = Show::volume;
     request.field = field.name;
-    request.options.clip = {};
     const ResolvedPicture picture = resolve(
         request, scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)));
     const std::vector<std::string> lines = transfer_notes(request, picture);

@@ -122,7 +122,8 @@ void add_rule(std::vector<Row>& rows, const OptionRule& rule,
         std::vector<std::string> all;
         for (const std::string& key : words(keys)) {
             const std::size_t equals = std::min(key.find('='), key.size());
-            all.push_back(options_of(key.substr(0, equals)) + key.substr(equals));
+            const std::string option = options_of(key.substr(0, equals)) + key.substr(equals);
+            if (!contains(all, option)) all.push_back(option);
         }
         return fmt::format("{}", fmt::join(all, " "));
     };
