@@ -44,12 +44,12 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
         for (const char* key : keys) json.erase(key);
     };
     // Another quantity has other values.
-    if (words.has("show") || words.has("field")) {
-        drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance",
-              "units", "extinction", "light", "light_weights", "shadows", "light_from",
-              "ambient_occlusion", "scattering", "asymmetry"});
-        drop({"clip_lights", "slabs", "layers"});
-    }
+    if (words.has("show") || words.has("field"))
+        drop({"field",      "tf",         "range",       "scale",
+              "window",     "bands",      "threshold",   "unit_distance",
+              "units",      "extinction", "light",       "light_weights",
+              "shadows",    "light_from", "clip_lights", "ambient_occlusion",
+              "scattering", "asymmetry",  "slabs",       "layers"});
     if (words.has("layers"))
         drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance"});
     if (words.has("window") || words.has("bands")) drop({"tf", "range", "scale"});

@@ -22,7 +22,7 @@ std::pair<double, double> slice_range(const Session& session, std::size_t layer)
 
 /// Whether the picture has a light to drag: a volume's that shades surfaces or casts shadows.
 bool has_light(const Session& session);
-/// Draws a sphere where the first light comes from: in the middle the eye's, at the rim that from behind.
+/// Draws the sphere of the first light, at light_place.
 void draw_light(const Session& session, const Layout& layout);
 /// Whether that sphere is at a point, in ImGui's coordinates.
 bool is_light_at(const Session& session, const Rect& picture, float ui, float x, float y);

@@ -44,9 +44,10 @@ Camera named_view(const Camera& camera, const std::string& name, const Subject& 
 /// The camera with parallel rays, or with a pinhole: look_at's plane keeps its size in the picture.
 Camera with_projection(const Camera& camera, bool orthographic, double aspect);
 
-/// Place of a light that comes from behind, from the middle of the picture.
+/// Distance of the sphere of a light from behind from the middle of the picture.
 inline constexpr double kLightRim = 0.9;
-/// Place of a light over the picture, from the middle as far as it is turned from the eye's: kLightRim is half a turn.
+/// Place of the sphere that shows a light's direction: the middle for a light at the eye, kLightRim away for one from behind, and in
+/// proportion to the angle between them.
 ScreenPoint light_place(const DirectionalLight& light, const Camera& camera);
 /// The light at another place, fixed as before; one at the eye becomes one of the world.
 DirectionalLight dragged(DirectionalLight light, const Camera& camera, ScreenPoint by);

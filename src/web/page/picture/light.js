@@ -233,7 +233,7 @@ export function withFirst({ lights: [first = { ofCamera: false, strength: 1 }, .
 
 const rim = 0.9;  // place of a light that comes from behind, from the middle of the picture
 
-/** Place of the first light over the picture (points of camera.js), from the middle as far as it is turned from the eye's: light_place of apps/viewer. */
+/** Place of the sphere that shows the first light's direction (points of camera.js): light_place of apps/viewer. */
 export function lightPlace(light, camera) {
   const { right, up, forward } = axesOf(camera), [{ towards }] = lightsOf(light, camera);
   const x = dot(towards, right), y = dot(towards, up), across = Math.hypot(x, y), ahead = -dot(towards, forward);
