@@ -87,28 +87,29 @@ ValueTransfer colors_of(const ScalarField& field) {
             0.2};
 }
 
-}  // namespace
-
-TEST(light, passes_a_box_of_one_extinction_by_its_depth) {
-    // Columns of the picture along z have the same way to a light along x; few rows, which take little time.
+constexpr double kBoxExtinction = 0.05;
+/// A box of one extinction along z. Its columns have the same way to a light along x; few rows, which take little time.
+VolumeImage box_under(const VolumeLook& look) {
     const Volume volume = cube(32, [](Vec3d at) { return std::abs(at.y - 15.5) < 3; });
     const VoxelField field = own();
-    constexpr double kExtinction = 0.05;
     Camera camera;
     camera.eye = {15.5, 15.5, 100}, camera.look_at = {15.5, 15.5, 0};
     camera.orthographic_width = 32;
-    const auto drawn = [&](const VolumeLook& look) {
-        return render_volume_reference({&volume, 1}, {&field, 1}, white(kExtinction), camera, 32,
-                                       32, {}, look);
-    };
-    const double alpha = 1 - std::exp(-32 * kExtinction);
+    return render_volume_reference({&volume, 1}, {&field, 1}, white(kBoxExtinction), camera, 32, 32,
+                                   {}, look);
+}
+
+}  // namespace
+
+TEST(light, passes_a_box_of_one_extinction_by_its_depth) {
+    const double alpha = 1 - std::exp(-32 * kBoxExtinction);
     for (const double side : {1.0, -1.0})
         for (const int octaves : {1, 3}) {
             VolumeLook look = shadows({side, 0, 0});
             look.octaves = octaves;
-            const VolumeImage picture = drawn(look);
+            const VolumeImage picture = box_under(look);
             for (int x = 2; x < 30; ++x) {
-                const double depth = kExtinction * (side > 0 ? 31.5 - x : x + 0.5);
+                const double depth = kBoxExtinction * (side > 0 ? 31.5 - x : x + 0.5);
                 double passed = 0, whole = 0;
                 for (int n = 0; n < octaves; ++n) {
                     passed += std::pow(0.5, n) * std::exp(-std::pow(0.5, n) * depth);
@@ -122,12 +123,12 @@ TEST(light, passes_a_box_of_one_extinction_by_its_depth) {
     // Light of half of the extinction cut off by a clip.
     VolumeLook cut = shadows({1, 0, 0});
     cut.clip.planes.push_back({{-1, 0, 0}, -15.5});
-    const float edge = drawn(cut).pixel[16 * 32 + 14].r;
-    EXPECT_NEAR(edge, alpha * (0.3 + 0.7 * std::exp(-kExtinction * 1.5)), 0.02);
+    const float edge = box_under(cut).pixel[16 * 32 + 14].r;
+    EXPECT_NEAR(edge, alpha * (0.3 + 0.7 * std::exp(-kBoxExtinction * 1.5)), 0.02);
     // Of all, as a choice.
     cut.clip_lights = false;
-    EXPECT_NEAR(drawn(cut).pixel[16 * 32 + 14].r,
-                alpha * (0.3 + 0.7 * std::exp(-kExtinction * 17.5)), 0.01);
+    EXPECT_NEAR(box_under(cut).pixel[16 * 32 + 14].r,
+                alpha * (0.3 + 0.7 * std::exp(-kBoxExtinction * 17.5)), 0.01);
 }
 
 TEST(light, is_scattered_forward_by_its_phase_function) {
@@ -301,20 +302,13 @@ TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
 }
 
 TEST(light, of_two_sides_adds_up_to_the_closed_form) {
-    const Volume volume = cube(32, [](Vec3d at) { return std::abs(at.y - 15.5) < 3; });
-    const VoxelField field = own();
-    constexpr double kExtinction = 0.05;
-    Camera camera;
-    camera.eye = {15.5, 15.5, 100}, camera.look_at = {15.5, 15.5, 0};
-    camera.orthographic_width = 32;
     VolumeLook look = shadows({1, 0, 0});
     look.lights = {{{3, 0, 0}, false, 0.25}, {{-1, 0, 0}, false, 0.7}};
-    const VolumeImage picture = render_volume_reference(
-        {&volume, 1}, {&field, 1}, white(kExtinction), camera, 32, 32, {}, look);
-    const double alpha = 1 - std::exp(-32 * kExtinction);
+    const VolumeImage picture = box_under(look);
+    const double alpha = 1 - std::exp(-32 * kBoxExtinction);
     for (int x = 2; x < 30; ++x) {
-        const double passed =
-            0.25 * std::exp(-kExtinction * (31.5 - x)) + 0.7 * std::exp(-kExtinction * (x + 0.5));
+        const double passed = 0.25 * std::exp(-kBoxExtinction * (31.5 - x)) +
+                              0.7 * std::exp(-kBoxExtinction * (x + 0.5));
         const Rgba pixel = picture.pixel[static_cast<std::size_t>(16 * 32 + x)];
         EXPECT_NEAR(pixel.r, alpha * (look.ambient + look.diffuse * passed), 0.01);
     }
