@@ -20,8 +20,10 @@ namespace vog {
 /// (docs/volume_rendering.md).
 inline constexpr int kJointSteps = 2;
 
-/// Error by value (JointReport::value_error) of models of dense images by default, to a tenth.
+/// Models of dense images by default: their error by value (JointReport::value_error), to a tenth, and the fewest Gaussians, 3 MB of a
+/// file, which have it for smooth scans of any size (docs/scans.md).
 inline constexpr double kDefaultValueError = 0.1;
+inline constexpr int kLeastOfImage = 30000;
 
 /// Errors of a model before and after the steps of FieldOptions::joint_field.
 struct JointReport {
@@ -51,8 +53,7 @@ struct FieldOptions {
 };
 
 /// FieldOptions::joint_field of a conversion.
-/// joint_field  stated name; "none": no field; empty: `volume` of dense images (Volume::is_image), whose pictures are of their
-///              values, and of other volumes none
+/// joint_field  name of a field; "none"; empty: the default, `volume` for dense images (Volume::is_image), none for other volumes
 std::string resolved_joint_field(const std::string& joint_field, std::span<const Volume> volumes);
 
 /// A field before it is read.
@@ -93,7 +94,7 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
 /// where no count meets it, the count of least error is taken; moments.refine_seconds splits Gaussians where pictures by
 /// value err and merges as many elsewhere, as long as their error falls. The default without error, budget and block is
 /// that of convert_moments, by T; for the own values of a dense image (Volume::is_image) an error by value of about
-/// kDefaultValueError, but at least kSmallCount and at most default_count Gaussians.
+/// kDefaultValueError, by at least kLeastOfImage Gaussians, and at most default_count.
 /// fields   as for add_fields, at the voxels of the volume or of the parts of the mesh
 /// options  joint_field with an error or refinement: a scalar field that is not constant
 /// throws   vog::Error as convert_moments and add_fields do, and for those fields

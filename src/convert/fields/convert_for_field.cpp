@@ -100,33 +100,28 @@ Fitted search(const ForField& job, MomentOptions moments, const comparison::Erro
     return best;
 }
 
-/// The model of the default of dense images, in few tries: the nearest to its error.
+/// The model of the default of dense images, in few tries.
 Fitted usual(const ForField& job, MomentOptions moments, const comparison::ErrorViews& depths,
              const comparison::ValueViews& values) {
     constexpr int kTries = 4;
-    // Scans of one head with 128, 256 and 400 voxels an edge need as many: its surfaces count, not its voxels.
-    constexpr double kFirst = 3 * kSmallCount, kNear = 1.1;  // Gaussians; ratio to the error
+    constexpr double kNear = 1.1;  // ratio to the error
     if (moments.soft_steps < 0) moments.soft_steps = kSearchSoftSteps;
     const Progress progress = std::exchange(moments.progress, {});
     const std::size_t voxels = vog::moments::sample_count(job.data.levels);
-    const double most = double(default_count(voxels)),
-                 least = double(std::min(voxels, kSmallCount));
-    double count = std::clamp(kFirst, least, most), nearest = HUGE_VAL;
-    Fitted best;
-    for (int n = 0; n < kTries; ++n) {
+    const auto most = static_cast<double>(default_count(voxels));
+    double count = std::min(double{kLeastOfImage}, most);
+    for (int n = 1;; ++n) {
         moments.budget = static_cast<std::size_t>(count);
         Fitted made = fitted(job, moments, depths);
         const double ratio = values.relative_l2(made.model).worst / kDefaultValueError;
-        const double next =
-            std::clamp(count * std::pow(ratio, 1 / -vog::moments::kErrorPower), least, most);
-        made.report.stopped_by_count = ratio > kNear && count >= most && most < double(voxels);
-        if (const double far = std::max(ratio, 1 / ratio); far < nearest)
-            nearest = far, best = std::move(made);
-        if (progress) progress((n + 1.0) / kTries);
-        if (nearest <= kNear || next == count) break;
-        count = next;
+        if (progress) progress(static_cast<double>(n) / kTries);
+        if (ratio <= kNear || count >= most || n == kTries) {
+            made.report.stopped_by_count =
+                ratio > kNear && count >= most && most < static_cast<double>(voxels);
+            return made;
+        }
+        count = std::min(count * std::pow(ratio, 1 / -vog::moments::kErrorPower), most);
     }
-    return best;
 }
 
 /// The model, by the error of pictures by value.
@@ -184,6 +179,7 @@ Gaussians run(const ForField& job, MomentReport* report) {
         Fitted made = judged(job);
         of_cells = std::move(made.report);
         if (job.options.joint_report) *job.options.joint_report = made.joint;
+        add_field_errors(job, made.model, of_cells);
         return std::move(made.model);
     }
     constexpr double kConverted = 0.6;
@@ -194,7 +190,8 @@ Gaussians run(const ForField& job, MomentReport* report) {
     if (options.joint_field.empty()) options.cells = of_cells.cells;
     options.progress = progress_part(job.moments.progress, kConverted, 1);
     add_fields(model, job.data.levels, job.data.fields, options);
-    if (of_cells.measured_error >= 0) add_field_errors(job, model, of_cells);
+    if (of_cells.measured_error >= 0 || options.joint_report)
+        add_field_errors(job, model, of_cells);
     return model;
 }
 
