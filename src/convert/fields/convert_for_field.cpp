@@ -179,7 +179,7 @@ Gaussians run(const ForField& job, MomentReport* report) {
         Fitted made = judged(job);
         of_cells = std::move(made.report);
         if (job.options.joint_report) *job.options.joint_report = made.joint;
-        add_field_errors(job, made.model, of_cells);
+        if (report) add_field_errors(job, made.model, *report);
         return std::move(made.model);
     }
     constexpr double kConverted = 0.6;
@@ -190,8 +190,8 @@ Gaussians run(const ForField& job, MomentReport* report) {
     if (options.joint_field.empty()) options.cells = of_cells.cells;
     options.progress = progress_part(job.moments.progress, kConverted, 1);
     add_fields(model, job.data.levels, job.data.fields, options);
-    if (of_cells.measured_error >= 0 || options.joint_report)
-        add_field_errors(job, model, of_cells);
+    if (report && (report->measured_error >= 0 || !options.joint_field.empty()))
+        add_field_errors(job, model, *report);
     return model;
 }
 
