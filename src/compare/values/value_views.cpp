@@ -37,12 +37,7 @@ ValueViews::ValueViews(std::span<const Volume> volumes, std::span<const VoxelFie
                         "by value",
                         volumes.front().source, printable(field_), range.lower));
     functions_ = value_functions(range, views.radius());
-    for (const Camera& camera : cameras_) {
-        std::vector<VolumeImage>& pictures = reference_.emplace_back();
-        for (const ValueTransfer& function : functions_)
-            pictures.push_back(
-                render_volume_reference(volumes, field, function, camera, kSize_px, kSize_px));
-    }
+    reference_ = render_volume_references(volumes, field, functions_, cameras_, kSize_px, kSize_px);
 }
 
 template <class Take>

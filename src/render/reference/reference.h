@@ -153,6 +153,12 @@ struct OtherVoxels {
     const ValueTransfer& transfer, const Camera& camera, int width, int height,
     const ReferenceOptions& options = {}, const VolumeLook& look = {},
     const VoxelGridOptions& voxels = {}, const OtherVoxels& others = {});
+/// Such pictures, unlit, of constant voxels, from several cameras under several transfer functions: each ray is walked once.
+/// returns  [cameras][transfers]
+[[nodiscard]] std::vector<std::vector<VolumeImage>> render_volume_references(
+    std::span<const Volume> volumes, std::span<const VoxelField> fields,
+    std::span<const ValueTransfer> transfers, std::span<const Camera> cameras, int width,
+    int height);
 /// Largest value of the voxels on the ray through each pixel, exactly: constant in each voxel, all active voxels.
 /// volumes  as of render_volume_reference
 /// options  samples: mean over those rays of a pixel that meet voxels

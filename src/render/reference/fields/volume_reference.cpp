@@ -64,39 +64,48 @@ void add_pieces(const LinearVolume& grid, const VoxelLight& lighting, const Worl
               });
 }
 
-/// The light along one ray.
-Compositor light_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
-                       const WorldRay& ray, Segment within) {
-    Compositor light;
+/// Adds the light along one ray under each of several transfer functions.
+/// light  [lighting]
+void add_light(const std::vector<FieldGrid>& grids, std::span<const VoxelLight> lighting,
+               const WorldRay& ray, Segment within, std::span<Compositor> light) {
     if (grids.size() == 1) {
         grids[0].walk(ray.origin, ray.direction, within, [&](const FieldCell& cell) {
-            return lighting(grids[0], cell, ray, [&](Segment part, const ValueLight& of_part) {
-                const double depth = of_part.extinction * (part.last - part.first) * ray.stretch;
-                if (depth > 0) light.add(depth, of_part.r, of_part.g, of_part.b);
-                return !light.opaque();
-            });
+            bool goes_on = false;
+            for (std::size_t n = 0; n < light.size(); ++n)
+                goes_on |=
+                    !light[n].opaque() &&
+                    lighting[n](grids[0], cell, ray, [&](Segment part, const ValueLight& of) {
+                        const double span = part.last - part.first;
+                        const double depth = of.extinction * span * ray.stretch;
+                        if (depth > 0) light[n].add(depth, of.r, of.g, of.b);
+                        return !light[n].opaque();
+                    });
+            return goes_on;
         });
-        return light;
+        return;
     }
     thread_local std::vector<LitPiece> pieces;
-    pieces.clear();
-    add_pieces(grids, lighting, ray, within, pieces);
-    composite(pieces, ray.stretch, light);
-    return light;
+    for (std::size_t n = 0; n < light.size(); ++n) {
+        pieces.clear();
+        add_pieces(grids, lighting[n], ray, within, pieces);
+        composite(pieces, ray.stretch, light[n]);
+    }
 }
 
-/// The light along one ray through interpolated voxels, classified sample by sample.
-Compositor light_along(const LinearVolume& grid, const VoxelLight& lighting, const WorldRay& ray,
-                       Segment within) {
-    Compositor light;
+/// The same through interpolated voxels, classified sample by sample.
+void add_light(const LinearVolume& grid, std::span<const VoxelLight> lighting, const WorldRay& ray,
+               Segment within, std::span<Compositor> light) {
     grid.walk(ray.origin, ray.direction, within,
               [&](const LinearVolume::Sample& sample, double t, double dt) {
-                  const ValueLight here = lighting(grid, sample, ray, t);
-                  if (const double depth = here.extinction * dt * ray.stretch; depth > 0)
-                      light.add(depth, here.r, here.g, here.b);
-                  return !light.opaque();
+                  bool goes_on = false;
+                  for (std::size_t n = 0; n < light.size(); ++n) {
+                      const ValueLight here = lighting[n](grid, sample, ray, t);
+                      if (const double depth = here.extinction * dt * ray.stretch; depth > 0)
+                          light[n].add(depth, here.r, here.g, here.b);
+                      goes_on |= !light[n].opaque();
+                  }
+                  return goes_on;
               });
-    return light;
 }
 
 Segment both(Segment a, Segment b) {
@@ -164,38 +173,44 @@ const Volume& one_of(std::span<const Volume> volumes) {
                     volumes.size()));
 }
 
-/// Averages rays over pixels.
-/// light_of(ray, within)  returns a Compositor
-template <class LightOf>
-VolumeImage picture_of(const Camera& camera, int width, int height, const ReferenceOptions& options,
-                       const Clipping& clip, const LightOf& light_of) {
+/// Averages rays over the pixels of several pictures.
+/// add_light(ray, within, light)  adds that along a ray to a Compositor of each picture
+template <class AddLight>
+std::vector<VolumeImage> pictures_of(std::size_t count, const Camera& camera, int width, int height,
+                                     const ReferenceOptions& options, const Clipping& clip,
+                                     const AddLight& add_light) {
     const CameraFrame frame = frame_of(camera, width, height);
-    VolumeImage image{width, height, {}};
-    image.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    std::vector<VolumeImage> images(count, {width, height, {}});
+    for (VolumeImage& image : images)
+        image.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const int samples = options.samples;
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         check_interrupt();
-        double r = 0, g = 0, b = 0, passed = 0;
+        thread_local std::vector<Compositor> light, sum;
+        sum.assign(count, {0, 0, 0, 0});
         for (int n = 0; n < samples * samples; ++n) {
             const double x = column + sample_offset(n % samples, samples);
             const double y = row + sample_offset(n / samples, samples);
             const Vec3d origin = frame.origin(x, y), direction = frame.direction(x, y);
             const Segment within = both(visible_segment(options.clip, origin, direction),
                                         visible_segment(clip, origin, direction));
-            if (within.empty()) {
-                ++passed;
-                continue;
+            light.assign(count, {});
+            if (!within.empty()) add_light(WorldRay(origin, direction), within, std::span(light));
+            for (std::size_t k = 0; k < count; ++k) {
+                sum[k].r += light[k].r, sum[k].g += light[k].g, sum[k].b += light[k].b;
+                sum[k].transmittance += light[k].transmittance;
             }
-            const Compositor light = light_of(WorldRay(origin, direction), within);
-            r += light.r, g += light.g, b += light.b, passed += light.transmittance;
         }
         const double share = 1.0 / (samples * samples);
-        image.pixel[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                    static_cast<std::size_t>(column)] = {
-            static_cast<float>(share * r), static_cast<float>(share * g),
-            static_cast<float>(share * b), static_cast<float>(1 - share * passed)};
+        const std::size_t pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                                  static_cast<std::size_t>(column);
+        for (std::size_t k = 0; k < count; ++k)
+            images[k].pixel[pixel] = {static_cast<float>(share * sum[k].r),
+                                      static_cast<float>(share * sum[k].g),
+                                      static_cast<float>(share * sum[k].b),
+                                      static_cast<float>(1 - share * sum[k].transmittance)};
     });
-    return image;
+    return images;
 }
 
 /// Grids of a field, with the voxels of other processes beside them.
@@ -256,15 +271,15 @@ VolumeImage render_layers_reference(std::span<const std::unique_ptr<LitRays>> la
                                      piece.light.extinction *= ray.stretch;
                                  return pieces;
                              });
-    return picture_of(camera, width, height, options, look.clip,
-                      [&](const WorldRay& ray, Segment within) {
-                          thread_local std::vector<LitPiece> pieces;
-                          pieces.clear();
-                          add(ray, within, pieces);
-                          Compositor light;
-                          composite(pieces, ray.stretch, light);
-                          return light;
-                      });
+    return std::move(
+        pictures_of(1, camera, width, height, options, look.clip,
+                    [&](const WorldRay& ray, Segment within, std::span<Compositor> light) {
+                        thread_local std::vector<LitPiece> pieces;
+                        pieces.clear();
+                        add(ray, within, pieces);
+                        composite(pieces, ray.stretch, light.front());
+                    })
+            .front());
 }
 
 }  // namespace vog::reference
@@ -289,10 +304,12 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
         lights::illumination(volumes, fields, transfer, look, forward, processes);
     const VoxelLight lighting(transfer, look, reached);
     const auto drawn = [&](const auto& grid) {
-        return picture_of(camera, width, height, options, look.clip,
-                          [&](const WorldRay& ray, Segment within) {
-                              return light_along(grid, lighting, ray, within);
-                          });
+        return std::move(
+            pictures_of(1, camera, width, height, options, look.clip,
+                        [&](const WorldRay& ray, Segment within, std::span<Compositor> light) {
+                            add_light(grid, {&lighting, 1}, ray, within, light);
+                        })
+                .front());
     };
     if (processes && voxels.interpolation != Interpolation::constant)
         throw Error("reference: interpolated voxels of several processes, expected constant ones");
@@ -308,6 +325,26 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
     if (voxels.interpolation == Interpolation::constant)
         return drawn(field_grids(volumes, fields, FieldPart::value));
     return drawn(LinearVolume(one_of(volumes), fields[0], voxels));
+}
+
+std::vector<std::vector<VolumeImage>> render_volume_references(
+    std::span<const Volume> volumes, std::span<const VoxelField> fields,
+    std::span<const ValueTransfer> transfers, std::span<const Camera> cameras, int width,
+    int height) {
+    check_fields(volumes, fields, FieldPart::value);
+    const std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
+    const lights::Illumination everywhere;
+    std::vector<VoxelLight> lighting;
+    for (const ValueTransfer& transfer : transfers)
+        lighting.emplace_back(transfer, VolumeLook{}, everywhere);
+    std::vector<std::vector<VolumeImage>> images;
+    for (const Camera& camera : cameras)
+        images.push_back(
+            pictures_of(transfers.size(), camera, width, height, {}, {},
+                        [&](const WorldRay& ray, Segment within, std::span<Compositor> light) {
+                            add_light(grids, lighting, ray, within, light);
+                        }));
+    return images;
 }
 
 }  // namespace vog
