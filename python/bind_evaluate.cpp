@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "data.h"
+#include "picture_data.h"
 #include "sampled_fields.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
@@ -12,7 +13,10 @@ namespace vog::python {
 
 namespace {
 
-std::vector<Conversion> conversions_of(const std::string& name) {
+/// cells  number of cells; 0: voxels
+std::vector<Conversion> conversions_of(const std::string& name, std::size_t cells) {
+    if (cells && (name == "all" || name == "moments")) return cell_conversions(cells);
+    if (cells) throw Error("conversions: '" + name + "', expected 'all' or 'moments' of Cells");
     if (name == "all") return all_conversions();
     if (name == "paper") return paper_conversions();
     if (name == "moments") return moment_conversions();
@@ -35,7 +39,10 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     std::tie(options.width, options.height) = size_of(size);
     options.repeats = repeats;
     options.extinction = extinction_of(extinction).value_or(0);
-    options.conversions = conversions_of(conversions);
+    Scene cells;
+    if (py::isinstance<Cells>(data)) cells = scene_of_cells(data);
+    options.conversions =
+        conversions_of(conversions, cells.sources.empty() ? 0 : cells.model().cells->kept.size());
     if (!models.empty()) options.conversions.clear();
     for (const auto& [name, model] : models) options.conversions.push_back(model_row(name, model));
     if (show != "T" && show != "volume")
@@ -54,6 +61,13 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     options.voxels = voxels;
     options.resume = resume;
     options.progress = progress_of(progress);
+    if (!cells.sources.empty()) {
+        if (!fields.is_none())
+            options.cell_fields = cast_to<std::vector<std::string>>(
+                fields, "evaluate: fields", "names of the cells' own: ['heat']");
+        unlocked([&] { return evaluate(cells, folder, options); });
+        return results_in(folder / "results.json");
+    }
     VolumeSet set;
     if (py::isinstance<Volume>(data)) {
         set.volumes.push_back(data.cast<const Volume&>());
@@ -61,7 +75,7 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
         static_cast<Levels&>(set) = *levels;
         set.overlap = Overlap::hide;
     } else {
-        refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
+        refuse_data(data, "evaluate", "a Volume, Levels, a list of Volumes or Cells");
     }
     SampledFields sampled;
     if (!fields.is_none()) {
@@ -84,9 +98,9 @@ void bind_evaluate(py::module_& m) {
         py::arg("tf") = py::none(), py::arg("conversions") = "all", py::arg("models") = py::dict(),
         py::arg("show") = "T", py::arg("fields") = py::none(), py::arg("voxels") = false,
         py::arg("resume") = false, py::arg("progress") = py::none(),
-        R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels.
+        R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels, or exact chords of cells.
 
-data         a Volume, Levels or a list of Volumes
+data         a Volume, Levels, a list of Volumes, or Cells
 folder       output folder, created if absent: results.json, results.csv, pictures/;
              `python -m vog.report FOLDER` makes plots and a page of it
 size         size of the pictures in pixels, 512 or (width, height)
@@ -94,11 +108,11 @@ repeats      timed renders per view, after one warm-up
 extinction   factor on density, or 'auto': by the reference of each view
 tf           transfer function of the pictures and the RGB figures: a name or a JSON file, default 'inferno'; with
              show='volume' those of values, one or a list, beside a ramp, three narrow bands and an opaque step
-conversions  'all', 'paper' or 'moments'
+conversions  'all', 'paper' or 'moments'; of Cells one Gaussian to 4, 16, 64 and 256 cells, and the default
 models       {name: Gaussians}, evaluated in place of conversions
 show         'T', or 'volume': volume pictures are compared too, from seven views
 fields       {name: array, Volume or grid}, as convert takes them: maps of their mean and deviation, and of the data's
-             own values, are compared too; None: no maps
+             own values, are compared too; of Cells names of their own, ['heat']; None: no maps
 voxels       True: the field error too, each model turned back into voxels against the volume; for one Volume or Levels
 resume       True: continues an interrupted evaluation with its finished conversions
 progress     called with the finished fraction, [0, 1]

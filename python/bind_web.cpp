@@ -21,7 +21,8 @@ Named named_models(const py::object& models, const std::string& title) {
     if (!py::isinstance<py::dict>(models))
         throw py::type_error("export_html: got " +
                              py::type::of(models).attr("__name__").cast<std::string>() +
-                             ", expected Gaussians or {name: Gaussians}");
+                             ", expected Gaussians or {name: Gaussians}, "
+                             "as vog.convert(data) makes them");
     for (const auto& [name, model] : models.cast<py::dict>())
         all.emplace_back(cast_to<std::string>(name, "models", "names"),
                          &cast_to<const Gaussians&>(model, "models", "{name: Gaussians}"));

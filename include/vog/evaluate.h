@@ -28,6 +28,7 @@
 namespace vog {
 
 struct Collective;
+struct Scene;
 
 /// Conversion to evaluate; it makes one row of the results.
 struct Conversion {
@@ -57,6 +58,9 @@ std::vector<Conversion> paper_conversions();
 std::vector<Conversion> moment_conversions();
 /// paper_conversions, then moment_conversions.
 std::vector<Conversion> all_conversions();
+/// Conversions of a mesh of cells: series "adaptive" of one Gaussian to 4, 16, 64 and 256 cells, and the default of vog.convert.
+/// cells  number of cells, > 0
+std::vector<Conversion> cell_conversions(std::size_t cells);
 /// Row of a finished model: series "model".
 /// name  step of the row, part of names of pictures: "smoke.ply"
 Conversion model_row(const std::string& name, Gaussians model);
@@ -181,6 +185,8 @@ struct EvaluateOptions {
     /// and deviation are compared too, of vectors those of the component along the view. Empty: no fields.
     /// Not for several processes.
     std::function<std::vector<std::vector<VoxelField>>(std::vector<Volume>&)> read_fields{};
+    /// Names of fields of cells whose maps are compared.
+    std::vector<std::string> cell_fields{};
     /// Compare pictures by the volumes' own values too, from kValueViews, under a ramp, three narrow bands and an
     /// opaque step over values from 0, signed ones from their 0.1st percentile, to the 99.9th. Not for several processes.
     bool by_value = false;
@@ -204,5 +210,12 @@ struct EvaluateOptions {
 /// cost     conversions * views * (repeats + 1) renders
 Evaluation evaluate(const VolumeSet& data, const std::filesystem::path& folder,
                     const EvaluateOptions& options = {});
+/// Evaluates conversions of cells likewise: the reference are exact chords of rays through the cells. Counts of voxels in the results
+/// are those of cells with mass, 0 in the bounding box.
+/// cells    scene_of (vog/convert_cells.h)
+/// options  conversions with a model, or with `moments` of a budget, an error or neither: cell_conversions
+/// throws   vog::Error likewise, and for options of voxels
+Evaluation evaluate(const Scene& cells, const std::filesystem::path& folder,
+                    const EvaluateOptions& options);
 
 }  // namespace vog

@@ -26,15 +26,15 @@ def _models(data: Any, call: str) -> Any:
         return {f"model {n}": _models(one, call) for n, one in enumerate(data, 1)}
     if isinstance(data, _vog.Gaussians):
         return data
-    if isinstance(data, (_vog.Volume, _vog.Levels, _vog.Points, list, tuple)) and (not isinstance(data, (list, tuple)) or data):
+    if isinstance(data, (_vog.Volume, _vog.Levels, _vog.Points, _vog.Cells, list, tuple)) and (not isinstance(data, (list, tuple)) or data):
         return _vog.convert(data)
-    raise TypeError(f"{call}: got {described(data)}, expected Gaussians, a Volume, Levels, Points, or a list or dict of them")
+    raise TypeError(f"{call}: got {described(data)}, expected Gaussians, a Volume, Levels, Points, Cells, or a list or dict of them")
 
 
 def page_html(data: Any, **options: Any) -> str:
     """Text of the page that vog.export_html writes.
 
-    data     Gaussians, a Volume, Levels or Points, or a list or dict of them; all but Gaussians are converted
+    data     Gaussians, a Volume, Levels, Points or Cells, or a list or dict of them; all but Gaussians are converted
     options  of vog.export_html
     """
     models = _models(data, "page_html")
@@ -316,7 +316,7 @@ def _widget_class() -> Any:
 def show(data: _Models, *, live: Optional[bool] = None, height: int = _HEIGHT, **options: Any) -> Any:
     """Shows models, volumes or particles in a notebook: a picture that you can turn and explore, without server or network.
 
-    data     Gaussians, a Volume, Levels or Points, or a list or dict of them; all but Gaussians are converted by vog.convert
+    data     Gaussians, a Volume, Levels, Points or Cells, or a list or dict of them; all but Gaussians are converted by vog.convert
     live     True: a widget, a picture that shares its settings with Python, which needs anywidget; False: a whole page with its controls.
              None: a widget if anywidget is installed
     height   of the output, CSS pixels

@@ -153,9 +153,10 @@ def write_report(folder: "Union[str, pathlib.Path]") -> pathlib.Path:
     data, settings, machine = results["data"], results["settings"], results["machine"]
     paper = _PAPER if (data["active_voxels"], data["leaves"]) == (1049275, 3117) else {}
     rows = [_completed(row, data, paper) for row in results["rows"]]
-    title = html.escape(f"Gaussians against voxels: {data['title']}")
-    facts = f"""{data['active_voxels']:,} active voxels of {data['bounding_voxels']:,} in the bounding box, {data['leaves']:,} leaves,
-        {data['tiles']:,} tiles. {settings['width']}×{settings['height']} pixels, extinction {settings['extinction']}, transfer function
+    voxels = f"{data['active_voxels']:,} active voxels of {data['bounding_voxels']:,} in the bounding box, {data['leaves']:,} leaves, {data['tiles']:,} tiles"
+    kind, count = ("voxels", voxels) if data["bounding_voxels"] else ("cells", f"{data['active_voxels']:,} cells")
+    title = html.escape(f"Gaussians against {kind}: {data['title']}")
+    facts = f"""{count}. {settings['width']}×{settings['height']} pixels, extinction {settings['extinction']}, transfer function
         {settings['tf']}, {machine['threads']} threads of {machine['processor']}."""
     views = "".join(f"<tr><td>{html.escape(view['name'])}<td>{100 * view['covered']:.1f} %<td>{view['extinction']:.4g}"
                     f"<td>{view['reference_ms']['median']:.1f}" for view in results["views"])  # fmt: skip

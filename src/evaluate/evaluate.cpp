@@ -18,6 +18,7 @@
 #include "evaluate/values/value_comparison.h"
 #include "shade/named_extinction.h"
 #include "vog/compare.h"
+#include "vog/convert_cells.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/picture.h"
@@ -95,22 +96,25 @@ struct References {
 /// One evaluation: its references, its rows and its files.
 class Run {
   public:
-    Run(const VolumeSet& data, fs::path folder, const EvaluateOptions& options)
+    /// cells  in place of volumes, or without sources
+    Run(const VolumeSet& data, const Scene& cells, fs::path folder, const EvaluateOptions& options)
         : data_(data),
+          cells_(cells),
           volumes_(data.volumes),
           folder_(std::move(folder)),
           options_(options),
           processes_(collective_or_single(options.collective)),
           tf_(load_transfer_function(options.tf)),
           evaluation_(begin_evaluation(data.volumes, options)) {
-        if (data.is_mesh())
+        if (has_cells())
+            take_cells();
+        else if (data.is_mesh())
             take_visible();
         else
             box_ = box_of(volumes_, processes_);
         evaluation_.views = evaluation_views(box_);
         if (options.read_fields) {
             fields_ = FieldComparison(volumes_, box_, evaluation_.views, options);
-            evaluation_.fields = fields_.names();
             // Tiles are divided where a field varies.
             volumes_ = fields_.volumes();
             if (data.is_mesh()) {
@@ -118,6 +122,8 @@ class Run {
                 volumes_ = mesh_.parts;
             }
         }
+        if (has_cells()) fields_ = FieldComparison(cells_, evaluation_.views, options);
+        evaluation_.fields = fields_.names();
         if (options.voxels && ((!data.is_mesh() && volumes_.size() != 1) || options.collective))
             throw Error(
                 fmt::format("{}: the field error is of one volume or mesh by one process, expected "
@@ -126,7 +132,10 @@ class Run {
         evaluation_.voxels = options.voxels;
         if (options.by_value) {
             if (data.is_mesh()) visible_.volumes = mesh_.parts;
-            by_value_.emplace(data.is_mesh() ? visible_ : data, box_, options);
+            if (has_cells())
+                by_value_.emplace(cells_, options);
+            else
+                by_value_.emplace(data.is_mesh() ? visible_ : data, box_, options);
             evaluation_.functions = by_value_->names();
         }
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
@@ -160,6 +169,16 @@ class Run {
 
   private:
     bool is_root() const { return processes_.is_root(); }
+
+    bool has_cells() const { return !cells_.sources.empty(); }
+
+    void take_cells() {
+        const Gaussians& each = *cells_.model().model;
+        cells_.subject = box_ = each.box;
+        evaluation_.title = each.source;
+        evaluation_.active_voxels = each.size();
+        evaluation_.mass = mass(each);
+    }
 
     /// The visible voxels of a mesh, which are converted in place of its levels.
     void take_visible() {
@@ -210,14 +229,15 @@ class Run {
 
     void draw_references() {
         PictureRenderer renderer(
-            scene_in(box_, VoxelSource{borrowed(data_), {}}, options_.collective));
+            has_cells() ? cells_
+                        : scene_in(box_, VoxelSource{borrowed(data_), {}}, options_.collective));
         for (EvaluationView& view : evaluation_.views) {
             DepthImage depth = timed_depth(renderer, view, 0, view.reference);
             view.extinction =
                 options_.extinction > 0
                     ? options_.extinction
                     : shading::auto_extinction_of(
-                          depth, volumes_.empty() ? std::string{} : volumes_.front().source);
+                          depth, volumes_.empty() ? cells_.name : volumes_.front().source);
             const auto covered = std::ranges::count_if(depth.depth, [](float t) { return t > 0; });
             view.covered = static_cast<double>(covered) / static_cast<double>(depth.depth.size());
             set_extinction(depth, view.extinction);
@@ -245,6 +265,12 @@ class Run {
     /// Converts all volumes to one model; several volumes share the budget by active voxels.
     Gaussians converted(const Conversion& conversion, std::size_t budget) const {
         if (conversion.model) return *conversion.model;
+        if (has_cells()) {
+            const MomentOptions moments = conversion.moments(budget);
+            CellOptions chosen;
+            chosen.budget = moments.budget, chosen.error = moments.error;
+            return convert_cells(*cells_.model().cells->cells, chosen);
+        }
         if (data_.is_mesh() && conversion.moments)
             return fields_.empty() ? convert_moments(mesh_, conversion.moments(budget))
                                    : fields_.convert(mesh_, conversion.moments(budget));
@@ -366,6 +392,7 @@ class Run {
     }
 
     const VolumeSet& data_;
+    Scene cells_;
     std::span<const Volume> volumes_;  ///< what is converted; of a mesh, the parts of mesh_
     Composite mesh_;
     VolumeSet visible_;  ///< these for pictures by value
@@ -402,7 +429,18 @@ Evaluation evaluate(const VolumeSet& data, const fs::path& folder, const Evaluat
     for (const Volume& volume : data.volumes)
         if (volume.empty() && !may_be_empty)
             throw Error(fmt::format("{}: no active voxel, expected at least one", volume.source));
-    return Run(data, folder, options).run();
+    return Run(data, {}, folder, options).run();
+}
+
+Evaluation evaluate(const Scene& cells, const fs::path& folder, const EvaluateOptions& options) {
+    check(options);
+    if (options.voxels || options.read_fields || options.collective)
+        throw Error("evaluate: cells have no field error on voxels, fields of voxels or ranks");
+    for (const Conversion& one : options.conversions)
+        if (!one.model && (!one.moments || one.aabb_sigma > 0))
+            throw Error(fmt::format("evaluate: row {} {} is of voxels, expected those of cells",
+                                    one.series, one.step));
+    return Run({}, cells, folder, options).run();
 }
 
 }  // namespace vog

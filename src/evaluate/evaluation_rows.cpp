@@ -104,6 +104,26 @@ std::vector<Conversion> moment_conversions() {
     return conversions;
 }
 
+std::vector<Conversion> cell_conversions(std::size_t cells) {
+    std::vector<Conversion> conversions;
+    const auto add = [&](const std::string& step, const std::string& label, std::size_t budget) {
+        Conversion& row = conversions.emplace_back(Conversion{"adaptive", step, label, 0, {}});
+        row.moments = [budget](std::size_t) {
+            MomentOptions options;
+            options.budget = budget;
+            return options;
+        };
+    };
+    for (const std::size_t share : {4, 16, 64, 256})
+        if (cells >= share)
+            add(fmt::format("cells{}", share), fmt::format("one to {} cells", share),
+                cells / share);
+    add("default",
+        fmt::format("error at most {}, or 1/{} of the cells", kDefaultError, kVoxelsPerGaussian),
+        0);
+    return conversions;
+}
+
 std::vector<Conversion> all_conversions() {
     std::vector<Conversion> all = paper_conversions();
     for (Conversion& conversion : moment_conversions()) all.push_back(std::move(conversion));

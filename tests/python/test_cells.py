@@ -52,8 +52,8 @@ def test_mistakes_are_one_line():
 
 
 @pytest.fixture(scope="module")
-def twins():
-    """Voxels with one value each, and hexahedra in their places, with a field that some voxels have as their largest."""
+def meshes():
+    """Hexahedra in the places of voxels with one value each, these, and a field that some voxels have as their largest."""
     rng = np.random.default_rng(3)
     density, heat = rng.uniform(0.2, 1, (5, 6, 7)), rng.uniform(300, 400, (5, 6, 7))
     number = np.arange(6 * 7 * 8).reshape(6, 7, 8)
@@ -61,7 +61,46 @@ def twins():
     hexahedra = np.stack([number[x : x + 5, y : y + 6, z : z + 7].ravel() for x, y, z in corners], -1)
     points = np.moveaxis(np.mgrid[0:6, 0:7, 0:8], 0, -1).reshape(-1, 3) - 0.5
     cells = vog.Cells(points, hexahedra.ravel(), np.full(210, 12), density.ravel(), fields={"heat": heat.ravel()})
-    return vog.Scene(cells), vog.Scene(vog.Volume.from_numpy(density), fields={"heat": heat}), vog.Camera((8, 7, 13), (2, 2.5, 3))
+    return cells, vog.Volume.from_numpy(density), heat
+
+
+@pytest.fixture(scope="module")
+def twins(meshes):
+    cells, volume, heat = meshes
+    return vog.Scene(cells), vog.Scene(volume, fields={"heat": heat}), vog.Camera((8, 7, 13), (2, 2.5, 3))
+
+
+def test_evaluate_has_the_figures_of_the_same_voxels(tmp_path, meshes):
+    cells, volume, heat = meshes
+    model = vog.convert(volume, budget=20, fields={"heat": heat})
+    result = vog.evaluate(cells, tmp_path, size=24, repeats=1, models={"m": model}, show="volume", fields=["heat"], extinction=1)
+    for view, row in zip(result["views"], result["rows"][0]["views"]):
+        place = view["camera"]
+        camera = vog.Camera(place["eye"], place["look_at"], place["up"], place["fov_degrees"])
+        voxels = vog.compare(vog.render(volume, camera, 24, extinction=1), vog.render(model, camera, 24, extinction=1))
+        assert row["relative_l2"] == pytest.approx(voxels.relative_l2, rel=1e-3) and row["relative_l2"] > 0.05
+        truth, maps = (vog.render(data, camera, 24, show="mean", field="heat", **more) for data, more in ((volume, {"fields": {"heat": heat}}), (model, {})))
+        weight = truth.column * (truth.column > truth.column.max() / 1000)
+        off, whole = np.nan_to_num(maps.mean) - np.nan_to_num(truth.mean), np.nan_to_num(truth.mean)
+        assert row["fields"][0]["mean_l2"] == pytest.approx(np.sqrt((weight * off**2).sum() / (weight * whole**2).sum()), rel=0.02)
+    assert list(result["rows"][0]["volume"]) == ["ramp", "bands", "step"] and result["rows"][0]["volume"]["ramp"]["psnr_rgb_db"]["worst"] > 15
+
+
+def test_evaluate_converts_cells(tmp_path, meshes):
+    cells = meshes[0]
+    result = vog.evaluate(cells, tmp_path, size=16, repeats=1)
+    assert [(row["series"], row["step"]) for row in result["rows"]] == [("adaptive", name) for name in ("cells4", "cells16", "cells64", "default")]
+    assert all(row["gaussians"] <= 210 // share for row, share in zip(result["rows"], (4, 16, 64)))
+    assert result["data"]["active_voxels"] == 210 and result["rows"][0]["mass_ratio"] == pytest.approx(1, abs=1e-6)
+    assert vog.evaluate(cells, tmp_path, size=16, repeats=1, resume=True)["rows"] == result["rows"]
+    for change, message in [
+        ({"conversions": "paper"}, "expected 'all' or 'moments' of Cells"), ({"voxels": True}, "no field error on voxels"),
+        ({"fields": ["no"]}, "no field 'no'"), ({"models": {"m": vog.convert(cells, fields=False)}, "show": "volume"}, "without the cells' density"),
+    ]:  # fmt: skip
+        with pytest.raises(vog.Error, match=message) as refused:
+            vog.evaluate(cells, tmp_path, size=16, **change)
+        assert "\n" not in str(refused.value)
+    assert "<html" in vog.show(cells, live=False).html
 
 
 @pytest.mark.parametrize("request_", [

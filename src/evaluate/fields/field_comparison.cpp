@@ -23,17 +23,18 @@ FieldComparison::FieldComparison(std::span<const Volume> volumes, const Box& box
     for (const std::vector<VoxelField>& field : fields_) {
         if (field.size() != volumes.size())
             throw Error("evaluate: a field of another number of volumes, expected one for each");
-        const std::string& name = field.front().name;
+        const std::string& name = names_.emplace_back(field.front().name);
         VoxelSource source{volumes_, {}};
         source.fields.push_back({name, "", field.front().is_vector(), field});
         reference_.push_back(maps_of(scene_in(box, std::move(source)), name));
     }
 }
 
-std::vector<std::string> FieldComparison::names() const {
-    std::vector<std::string> names;
-    for (const std::vector<VoxelField>& field : fields_) names.push_back(field.front().name);
-    return names;
+FieldComparison::FieldComparison(const Scene& cells, std::span<const EvaluationView> views,
+                                 const EvaluateOptions& options)
+    : names_(options.cell_fields), width_(options.width), height_(options.height) {
+    for (const EvaluationView& view : views) views_.push_back(view.camera);
+    for (const std::string& name : names_) reference_.push_back(maps_of(cells, name));
 }
 
 std::vector<FieldMaps> FieldComparison::maps_of(Scene scene, const std::string& field) const {
@@ -64,15 +65,14 @@ Gaussians FieldComparison::convert(const Composite& mesh, const MomentOptions& m
 }
 
 void FieldComparison::compare(const Gaussians& model, EvaluationRow& row, bool made_here) const {
-    if (fields_.empty()) return;
+    if (empty()) return;
     Gaussians with_fields = model;
-    if (!made_here) {
+    if (!made_here && volumes_) {
         with_fields.fields = {};
         add_fields(with_fields, volumes_->volumes, fields_);
     }
-    for (std::size_t f = 0; f < fields_.size(); ++f) {
-        const std::vector<FieldMaps> maps =
-            maps_of(scene_in(model.box, with_fields), fields_[f].front().name);
+    for (std::size_t f = 0; f < names_.size(); ++f) {
+        const std::vector<FieldMaps> maps = maps_of(scene_in(model.box, with_fields), names_[f]);
         for (std::size_t view = 0; view < row.views.size(); ++view) {
             const FieldDifference difference = vog::compare(reference_[f][view], maps[view]);
             row.views[view].fields.push_back(

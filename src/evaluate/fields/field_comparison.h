@@ -21,8 +21,13 @@ class FieldComparison {
     FieldComparison(std::span<const Volume> volumes, const Box& box,
                     std::span<const EvaluationView> views, const EvaluateOptions& options);
 
-    bool empty() const { return fields_.empty(); }
-    std::vector<std::string> names() const;
+    /// cells   scene with the fields of these names; models have them, too
+    /// throws  vog::Error for a field that the cells lack
+    FieldComparison(const Scene& cells, std::span<const EvaluationView> views,
+                    const EvaluateOptions& options);
+
+    bool empty() const { return names_.empty(); }
+    const std::vector<std::string>& names() const { return names_; }
     std::span<const Volume> volumes() const { return volumes_->volumes; }
     /// Converts a volume, or the mesh whose parts the volumes are, by cuts that follow the fields. The model has them.
     Gaussians convert(std::size_t volume, const MomentOptions& moments) const;
@@ -35,7 +40,9 @@ class FieldComparison {
     /// Maps of a field of a scene, [views].
     std::vector<FieldMaps> maps_of(Scene scene, const std::string& field) const;
 
-    std::shared_ptr<const VolumeSet> volumes_;     ///< tiles divided where a field varies
+    std::vector<std::string> names_;  ///< [fields]
+    std::shared_ptr<const VolumeSet>
+        volumes_;  ///< tiles divided where a field varies; null: of cells
     std::vector<std::vector<VoxelField>> fields_;  ///< [fields][volumes]
     std::vector<Camera> views_;
     std::vector<std::vector<FieldMaps>> reference_;  ///< [fields][views]

@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "compare/values/value_functions.h"
 #include "evaluate/evaluated_volumes.h"
 #include "vog/compare.h"
 #include "vog/convert_fields.h"
@@ -43,7 +42,7 @@ std::vector<ValueTransfer> functions_of(const std::vector<std::string>& texts,
 
 ValueComparison::ValueComparison(const VolumeSet& data, const Box& box,
                                  const EvaluateOptions& options)
-    : data_(data), box_(box), width_(options.width), height_(options.height) {
+    : data_(&data), box_(box), width_(options.width), height_(options.height) {
     const std::vector<Volume>& volumes = data.volumes;
     // One name for all volumes, as a field of a mesh has.
     const std::string name = volumes.front().name.empty() ? "density" : volumes.front().name;
@@ -53,21 +52,33 @@ ValueComparison::ValueComparison(const VolumeSet& data, const Box& box,
     if (!(upper > volumes.front().background))
         throw Error(fmt::format("{}: no value above {}, expected some for pictures by value",
                                 volumes.front().source, volumes.front().background));
-    functions_ = functions_of(
-        options.value_functions,
-        comparison::value_functions(comparison::value_range(volumes, values_), box.radius()), lower,
-        upper, box.radius());
+    begin(scene_in(box, VoxelSource{borrowed(data), {{name, "", false, values_}}}), name, lower,
+          upper, comparison::value_range(volumes, values_), options);
+}
+
+ValueComparison::ValueComparison(const Scene& cells, const EvaluateOptions& options)
+    : box_(cells.subject.box), width_(options.width), height_(options.height) {
+    const ScalarField& own = cells.model().model->fields.scalar.back();
+    begin(cells, own.name, own.lower, own.upper, {std::min(own.lower, 0.0), own.spread.high},
+          options);
+}
+
+void ValueComparison::begin(const Scene& scene, const std::string& field, double lower,
+                            double upper, const comparison::ValueRange& range,
+                            const EvaluateOptions& options) {
+    functions_ =
+        functions_of(options.value_functions, comparison::value_functions(range, box_.radius()),
+                     lower, upper, box_.radius());
     for (const char* view : kValueViews) {
         Orbit orbit;
         orbit.distance_radii = kPaperDistanceRadii;
         set_view(orbit, view);
-        views_.push_back(orbit_view(box, orbit, double(width_) / height_));
+        views_.push_back(orbit_view(box_, orbit, double(width_) / height_));
     }
     reference_.resize(functions_.size());
-    draw(scene_in(box, VoxelSource{borrowed(data), {{name, "", false, values_}}}), name,
-         [&](std::size_t function, std::size_t, Image picture) {
-             reference_[function].push_back(std::move(picture));
-         });
+    draw(scene, field, [&](std::size_t function, std::size_t, Image picture) {
+        reference_[function].push_back(std::move(picture));
+    });
 }
 
 std::vector<std::string> ValueComparison::names() const {
@@ -113,10 +124,15 @@ std::vector<std::vector<ValueResult>> ValueComparison::compare(const Gaussians& 
     };
     std::optional<Gaussians> added;
     if (own(model) == model.fields.scalar.end()) {
+        if (!data_)
+            throw Error(
+                fmt::format("{}: a model without the cells' density as a field, expected one of "
+                            "vog.convert(cells)",
+                            model.source));
         added = model;
         added->fields = {};
         const std::vector<std::vector<VoxelField>> fields{values_};
-        add_fields(*added, data_.volumes, fields);
+        add_fields(*added, data_->volumes, fields);
     }
     const Gaussians& drawn = added ? *added : model;
     return compare(scene_in(box_, drawn), own(drawn)->name);

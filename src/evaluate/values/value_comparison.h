@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/values/value_functions.h"
 #include "vog/evaluate.h"
 #include "vog/image.h"
 #include "vog/scene.h"
@@ -20,6 +21,9 @@ class ValueComparison {
     /// throws  vog::Error for data without values above 0, and as read_value_transfer does
     ValueComparison(const VolumeSet& data, const Box& box, const EvaluateOptions& options);
 
+    /// cells   scene with the density as its last field; the models have it, too
+    ValueComparison(const Scene& cells, const EvaluateOptions& options);
+
     /// Names of the transfer functions.
     std::vector<std::string> names() const;
     /// Differences of a model's pictures from the voxels'. A model without the volumes' own values gets them, as
@@ -28,14 +32,18 @@ class ValueComparison {
     std::vector<std::vector<ValueResult>> compare(const Gaussians& model) const;
 
   private:
+    /// Draws the reference.
+    /// lower, upper  of all values
+    void begin(const Scene& scene, const std::string& field, double lower, double upper,
+               const comparison::ValueRange& range, const EvaluateOptions& options);
     /// Draws a field of a scene under every function from every view, over black.
     /// take  receives each picture, those of one function after those of the other
     void draw(Scene scene, const std::string& field,
               const std::function<void(std::size_t function, std::size_t view, Image)>& take) const;
     std::vector<std::vector<ValueResult>> compare(Scene scene, const std::string& field) const;
 
-    const VolumeSet& data_;
-    std::vector<VoxelField> values_;  ///< [volumes] their own
+    const VolumeSet* data_ = nullptr;  ///< null: cells
+    std::vector<VoxelField> values_;   ///< [volumes] their own
     Box box_;
     std::vector<ValueTransfer> functions_;
     std::vector<Camera> views_;
