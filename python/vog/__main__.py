@@ -14,7 +14,7 @@ import warnings
 from typing import Any, List
 
 from ._grids import Grids, density_of, write_scan
-from ._load import YT, kind_of, load, read
+from ._load import OME, YT, kind_of, load, read
 from ._vtk_files import arrays_of, dataset, leaves_of, read_vtk
 from ._vog import Cells, Error, Gaussians, Levels, Volume, convert
 
@@ -31,7 +31,8 @@ def _command() -> str:
 def _is_input(words: "List[str]", n: int) -> bool:
     """Whether a word names a file that vog itself does not read, and no file to write."""
     outputs = ("-o", "--output", "--values-out", "--depth-out")
-    return not words[n].startswith("-") and words[n - 1] not in outputs and os.path.exists(words[n]) and kind_of(words[n]) is not None
+    there = os.path.exists(words[n]) or ("://" in words[n] and ".zarr" in words[n])
+    return not words[n].startswith("-") and words[n - 1] not in outputs and there and kind_of(words[n]) is not None
 
 
 def _name(text: str) -> str:
@@ -92,7 +93,9 @@ def _written(path: str, folder: str, options: Options) -> "List[str]":
     stem = os.path.join(folder, _name(os.path.basename(os.path.normpath(path)).split(".")[0]) or "data")
     kind, place = kind_of(path)  # type: ignore[misc]
     if kind is not YT and not options.fields and not options.ones:
-        data = read(place, kind, options.grid, {}, {"density": options.grid, **options.rules})
+        # With a limit of memory the finest level goes through a file, slab by slab.
+        level = {"level": 0} if kind is OME and options.values("--memory") else {}
+        data = read(place, kind, options.grid, level, {"density": options.grid, **options.rules})
         if isinstance(data, Grids) and data.scan:
             write_scan(stem + ".nrrd", data, density_of(data.names, options.grid, path))
             return [stem + ".nrrd"]

@@ -67,7 +67,7 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
     """Variables of three dimensions and more of NetCDF, GRIB or Zarr, along x, y and z."""
     xarray = need("xarray", f"load: {path}")
     try:
-        data = xarray.open_zarr(path) if os.path.isdir(path) else xarray.open_dataset(path)
+        data = xarray.open_zarr(path) if os.path.isdir(path) or "://" in path else xarray.open_dataset(path)
     except ImportError as error:
         raise ImportError(f"load: {path}: {str(error).splitlines()[0]}", name=error.name) from None
     except Exception as error:  # each engine has exceptions of its own
@@ -132,12 +132,17 @@ def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
         labels = [f"c{n}" for n in range(channels)]
 
     def blocks(_: int, name: str) -> Any:
+        return [((0, 0, 0), np.concatenate(list(slabs(name)[2]), 2))]
+
+    def slabs(name: str) -> Any:
         index = tuple(labels.index(name) if axis == "c" else fixed[axis] for axis in names[:-3])
-        return [((0, 0, 0), np.asarray(array[index]).T)]
+        depth = (getattr(array, "shards", None) or array.chunks)[-3]
+        parts = (np.asarray(array[(*index, slice(z, z + depth))]).T for z in range(0, array.shape[-3], depth))
+        return array.shape[:-4:-1], array.dtype, parts
 
     length = str(axes[-1].get("unit", ""))
     matrix = lattice(scale[:-4:-1], place[:-4:-1])
-    return Grids(labels, [matrix], blocks, lambda _: None, path, _OME_UNITS.get(length, length) or None, scan=True)
+    return Grids(labels, [matrix], blocks, lambda _: None, path, _OME_UNITS.get(length, length) or None, scan=True, slabs=slabs)
 
 
 _OME_UNITS = {"angstrom": "angstrom", "nanometer": "nm", "micrometer": "um", "millimeter": "mm", "centimeter": "cm", "meter": "m"}

@@ -1,7 +1,7 @@
 """Named arrays on lattices, of one grid or of levels, as a Volume or Levels with fields."""
 import os
 import tempfile
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -29,6 +29,8 @@ class Grids(NamedTuple):
     length: Any = None
     up: "Optional[Tuple[float, float, float]]" = None
     scan: bool = False  # values above a background are density, as the readers of images have it
+    # of scans larger than memory: name -> shape [X, Y, Z], dtype, and arrays [X, Y, n] one after another along z
+    slabs: "Optional[Callable[[Any], Tuple[Tuple[int, ...], Any, Iterable[Any]]]]" = None
 
 
 def one_grid(source: str, matrix: Any, arrays: "Dict[str, Any]", units: "Dict[str, Any]", **more: Any) -> Grids:
@@ -85,20 +87,22 @@ _NRRD_TYPES = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", 
 
 def write_scan(file: Any, grids: Grids, name: str) -> None:
     """Writes an array as NRRD, which vog reads as it reads scans."""
-    array = grids.blocks(0, name)[0][1]
-    array = array if array.dtype.name in _NRRD_TYPES else array.astype(np.float32)
+    array = None if grids.slabs else grids.blocks(0, name)[0][1]
+    shape, dtype, slabs = grids.slabs(name) if grids.slabs else (array.shape, array.dtype, [array])
+    dtype = np.dtype(dtype if dtype.name in _NRRD_TYPES else np.float32)
     vector = lambda column: "(" + ",".join(f"{x:.17g}" for x in column[:3]) + ")"
     matrix = np.asarray(grids.levels[0])
-    kind = {"float32": "float", "float64": "double"}.get(array.dtype.name, array.dtype.name)
-    head = ["NRRD0004", f"type: {kind}", "dimension: 3", "space: right-anterior-superior", "sizes: " + " ".join(map(str, array.shape)),
+    kind = {"float32": "float", "float64": "double"}.get(dtype.name, dtype.name)
+    head = ["NRRD0004", f"type: {kind}", "dimension: 3", "space: right-anterior-superior", "sizes: " + " ".join(map(str, shape)),
             "space directions: " + " ".join(map(vector, matrix.T[:3])), f"space origin: {vector(matrix[:, 3])}",
             "encoding: raw", "endian: little"]  # fmt: skip
     if grids.length:
         head.append(f'space units: "{grids.length}" "{grids.length}" "{grids.length}"')
     with open(file, "wb") as out:
         out.write(("\n".join(head) + "\n\n").encode())
-        for plane in np.moveaxis(array, 2, 0):
-            out.write(plane.astype(array.dtype.newbyteorder("<")).tobytes(order="F"))
+        for slab in slabs:
+            for plane in np.moveaxis(slab, 2, 0):
+                out.write(plane.astype(dtype.newbyteorder("<")).tobytes(order="F"))
 
 
 def _scan_volume(grids: Grids, name: str, **rules: Any) -> Any:
@@ -135,7 +139,7 @@ def assembled(
         given[field if isinstance(field, str) else field[-1]] = {"value": value, "unit": str(unit)} if unit else value
     volumes = []
     for level, matrix in enumerate(grids.levels):
-        blocks = _values(grids, level, name)
+        blocks = [] if grids.scan and not ones else _values(grids, level, name)
         if ones:
             blocks = [(first, np.isfinite(array if array.ndim == 3 else array.sum(-1)).astype(np.float32)) for first, array in blocks]
         title = "volume" if ones else name if isinstance(name, str) else name[-1]

@@ -1,4 +1,5 @@
 """Any file that vog or a package of this Python reads, by its extension and its contents."""
+import contextlib
 import inspect
 import os
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
@@ -6,7 +7,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 from . import _vog
 from ._files import At, read_dicom, read_hdf5, read_numpy, read_ome_zarr, read_openpmd, read_xarray, read_yt
 from ._grids import Grids, assembled
-from ._packages import described
+from ._packages import described, need
 from ._readers import from_yt
 from ._vtk_files import read_vtk
 
@@ -23,7 +24,7 @@ class Kind(NamedTuple):
 
 
 YT = Kind("a data set of a simulation", (".athdf", ".art"), read_yt)
-_OME = Kind("an image in OME-Zarr", (), read_ome_zarr)
+OME = Kind("an image in OME-Zarr", (), read_ome_zarr)
 _DICOM = Kind("a series of DICOM", (".dcm", ".ima"), read_dicom)
 _ZARR = Kind("a store of Zarr", (".zarr",), read_xarray)
 _KINDS = [
@@ -43,15 +44,32 @@ def _begins_with(path: str, at: int, magic: bytes) -> bool:
         return file.read(len(magic)) == magic
 
 
+def _remote(path: str) -> "Tuple[Kind, str]":
+    """Kind of a store of Zarr at an address, by fsspec."""
+    fsspec = need("fsspec", f"load: {path}")
+    try:
+        system, place = fsspec.core.url_to_fs(path)
+        for head in (".zattrs", "zarr.json", ".zmetadata", ".zgroup"):
+            with contextlib.suppress(FileNotFoundError):
+                return (OME if b'"multiscales"' in system.cat_file(f"{place.rstrip('/')}/{head}") else _ZARR), path
+    except ImportError as error:
+        raise ImportError(f"load: {path}: {str(error).splitlines()[0]}", name=error.name) from None
+    except Exception as error:  # each protocol has exceptions of its own
+        raise _vog.Error(f"{path}: cannot be read: {str(error).splitlines()[0] if str(error) else type(error).__name__}") from None
+    raise _vog.Error(f"{path}: no store of Zarr there, expected one (download other files first)")
+
+
 def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
     """Kind of a file or folder that vog itself does not read, and the path for its reader; None: another."""
+    if "://" in path:
+        return _remote(path)
     has = lambda *parts: os.path.exists(os.path.join(path, *parts))
     if os.path.isdir(path):
         names = sorted(os.listdir(path))
         for head in (".zattrs", "zarr.json"):
             if has(head):
                 with open(os.path.join(path, head), encoding="utf-8") as file:
-                    return (_OME if '"multiscales"' in file.read() else _ZARR), path
+                    return (OME if '"multiscales"' in file.read() else _ZARR), path
         if any(has(name) for name in (".zgroup", ".zmetadata")) or path.rstrip("/").endswith(".zarr"):
             return _ZARR, path
         enzo = [name[: -len(".hierarchy")] for name in names if name.endswith(".hierarchy")]
@@ -135,6 +153,7 @@ def load(
 
     path        a file of vog's own formats; .npy, .npz; HDF5 (h5py); NetCDF, GRIB and Zarr (xarray); OME-Zarr (zarr); VTK's files
                 (pyvista or vtk); data sets of simulations (yt); a series of DICOM (pydicom); openPMD (openpmd_api)
+                or the address of a Zarr store, "https://...", "s3://..." (fsspec)
     density     name of the array, grid or field; '': the only one, else the one called density; 'volume': 1 in every voxel, for
                 fields of any sign
     fields      names of further arrays, of any sign; 'velocity' is also the vector of velocity_x, velocity_y, velocity_z. The result

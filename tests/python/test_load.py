@@ -1,8 +1,11 @@
 """vog.load and python -m vog: files made by their own libraries come with their values, places, fields and units."""
+import functools
+import http.server
 import os
 import re
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -173,6 +176,62 @@ def test_ome_zarr_takes_channels_places_and_levels(tmp_path):
     np.testing.assert_array_equal(loaded[1]["nuclei"][0][1], stack[0].T)
     assert vog.units_of(loaded[0]).length == "um"
     check((vog.load(tmp_path / "a.zarr", "walls", level=1, background=0), {}), stack[1, ::2, ::2, ::2].T, (2, 4, 6), (7, 6, 5))
+
+
+@pytest.fixture
+def served(tmp_path):
+    """Address of a folder by a server of this process."""
+    handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+        server.shutdown()
+
+
+def write_image(folder, size, chunk):
+    """An OME-Zarr image of a ball of [size, size, size] 16-bit voxels."""
+    zarr = pytest.importorskip("zarr", reason="needs zarr (pip install zarr)")
+    group = zarr.open_group(folder, mode="w")
+    if not hasattr(group, "create_array"):
+        pytest.skip("needs zarr 3")
+    array = group.create_array("0", shape=(size,) * 3, chunks=(chunk, size // 2, size // 2), dtype="u2")
+    place = np.linspace(-1, 1, size, dtype=np.float32)
+    for z in range(0, size, chunk):
+        square = place[z : z + chunk, None, None] ** 2 + place[:, None] ** 2 + 2 * place**2
+        array[z : z + chunk] = (np.clip(1 - np.sqrt(square), 0, 1) * 4000).astype("u2")
+    scale = [{"type": "scale", "scale": [0.5, 0.25, 0.25]}]
+    image = {"axes": [{"name": axis, "unit": "micrometer"} for axis in "zyx"], "datasets": [{"path": "0", "coordinateTransformations": scale}]}
+    group.attrs["ome"] = {"multiscales": [image]}
+    return array[:]
+
+
+def test_stores_of_zarr_are_read_from_addresses(tmp_path, served):
+    for package in ("aiohttp", "fsspec", "xarray"):
+        pytest.importorskip(package, reason=f"needs {package}")
+    stack = write_image(tmp_path / "image.zarr", 40, 16)
+    check((vog.load(f"{served}/image.zarr", background=0), {}), stack.T, (0.25, 0.25, 0.5), (0, 0, 0))
+    assert vog.units_of(vog.load(f"{served}/image.zarr", background=0)).length == "um"
+    dataset().to_zarr(tmp_path / "wind.zarr")
+    loaded = vog.load(f"{served}/wind.zarr", fields=["heat"], at={"time": 0})
+    check(loaded, values()[:, ::-1], (1, 2, 3), (0, 0, 0), values(-1)[:, ::-1])
+    for address, message in [(f"{served}/no.zarr", "no store of Zarr there"), ("http://127.0.0.1:9/a.zarr", "cannot be read")]:
+        with pytest.raises(vog.Error, match=message) as refused:
+            vog.load(address)
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.skipif(not VOG, reason="needs the command (VOG_COMMAND)")
+def test_an_image_at_an_address_becomes_a_site_within_a_limit_of_memory(tmp_path, served):
+    for package in ("aiohttp", "fsspec"):
+        pytest.importorskip(package, reason=f"needs {package}")
+    size = 384
+    write_image(tmp_path / "image.zarr", size, 32)
+    command = [sys.executable, "-m", "vog", "page", f"{served}/image.zarr", "-o", f"{tmp_path}/site/", "--memory", "160M", "--budget", "5000"]
+    started = subprocess.Popen(command, env={**os.environ, "PATH": os.path.dirname(VOG) + os.pathsep + os.environ["PATH"]})
+    _, status, usage = os.wait4(started.pid, 0)  # of the process and those it has waited for, the largest
+    assert status == 0 and len(vog.Gaussians.load(tmp_path / "site")) > 1000
+    # The array has 226 MB in 32 bits, and as much again in leaves.
+    assert usage.ru_maxrss * 1024 < 0.9 * size**3 * 4
 
 
 def write_dicom(folder, stack, spacing=(2.0, 0.5, 0.25)):

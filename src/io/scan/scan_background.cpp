@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/paging.h"
 #include "core/parallel.h"
 
 namespace vog::scan {
@@ -53,6 +54,7 @@ Summary summary_of(const BigVector<float>& value) {
         tbb::blocked_range<std::size_t>(0, value.size(), kVoxelsPerTask), Summary{},
         [&](const auto& range, Summary found) {
             for (std::size_t n = range.begin(); n < range.end(); ++n) found.add(value[n]);
+            keep_memory();
             return found;
         },
         Summary::sum);
@@ -84,6 +86,7 @@ class Histogram {
                         const double bin = (double{value[n]} - least_) / width_;
                         ++counts[1 + std::min(static_cast<std::size_t>(bin), bins - 1)];
                     }
+                keep_memory();
                 return counts;
             },
             [](Counts a, const Counts& b) {

@@ -67,6 +67,7 @@ bool has_negative(const BigVector<float>& value) {
         [&](const auto& range, bool found) {
             for (std::size_t n = range.begin(); n < range.end() && !found; ++n)
                 found = value[n] < 0;
+            keep_memory();
             return found;
         },
         [](bool a, bool b) { return a || b; });
@@ -88,6 +89,7 @@ Volume volume_of(const ScanGrid& grid, const BigVector<float>& value, const std:
         tbb::blocked_range<std::size_t>(0, used.size(), kLeavesPerTask), Census{},
         [&](const auto& range, Census found) {
             for (std::size_t n = range.begin(); n < range.end(); ++n) {
+                keep_memory();
                 used[n] = 0;
                 const Vec3i origin = lattice.origin(n);
                 lattice.each_voxel(n, value, [&](int offset, float v) {
@@ -108,7 +110,7 @@ Volume volume_of(const ScanGrid& grid, const BigVector<float>& value, const std:
     volume.world_from_index = grid.world_from_index;
     volume.standing = grid.standing;
     volume.units = {grid.length_unit, options.ones || options.mask ? "" : grid.value_unit};
-    volume.leaves.resize(kept.size());
+    resize_kept(volume.leaves, kept.size());
     vog::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
         Leaf& leaf = volume.leaves[i];
         leaf.origin = lattice.origin(kept[i]);
