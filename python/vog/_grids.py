@@ -87,8 +87,11 @@ _NRRD_TYPES = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", 
 
 def write_scan(file: Any, grids: Grids, name: str) -> None:
     """Writes an array as NRRD, which vog reads as it reads scans."""
-    array = None if grids.slabs else grids.blocks(0, name)[0][1]
-    shape, dtype, slabs = grids.slabs(name) if grids.slabs else (array.shape, array.dtype, [array])
+    if grids.slabs:
+        shape, dtype, slabs = grids.slabs(name)
+    else:
+        array = grids.blocks(0, name)[0][1]
+        shape, dtype, slabs = array.shape, array.dtype, [array]
     dtype = np.dtype(dtype if dtype.name in _NRRD_TYPES else np.float32)
     vector = lambda column: "(" + ",".join(f"{x:.17g}" for x in column[:3]) + ")"
     matrix = np.asarray(grids.levels[0])
