@@ -210,11 +210,11 @@ struct EvaluateOptions {
 /// cost     conversions * views * (repeats + 1) renders
 Evaluation evaluate(const VolumeSet& data, const std::filesystem::path& folder,
                     const EvaluateOptions& options = {});
-/// Evaluates conversions of cells likewise: the reference are exact chords of rays through the cells. Counts of voxels in the results
-/// are those of cells with mass, 0 in the bounding box.
+/// The same for conversions of cells, compared with exact chords of rays through the cells. In the results `active_voxels` counts
+/// the cells with mass, and `bounding_voxels` is 0.
 /// cells    scene_of (vog/convert_cells.h)
 /// options  conversions with a model, or with `moments` of a budget, an error or neither: cell_conversions
-/// throws   vog::Error likewise, and for options of voxels
+/// throws   vog::Error as above, and for options that only voxels have
 Evaluation evaluate(const Scene& cells, const std::filesystem::path& folder,
                     const EvaluateOptions& options);
 

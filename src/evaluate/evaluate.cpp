@@ -438,7 +438,7 @@ Evaluation evaluate(const Scene& cells, const fs::path& folder, const EvaluateOp
         throw Error("evaluate: cells have no field error on voxels, fields of voxels or ranks");
     for (const Conversion& one : options.conversions)
         if (!one.model && (!one.moments || one.aabb_sigma > 0))
-            throw Error(fmt::format("evaluate: row {} {} is of voxels, expected those of cells",
+            throw Error(fmt::format("evaluate: row {} {} converts voxels; use cell_conversions",
                                     one.series, one.step));
     return Run({}, cells, folder, options).run();
 }
