@@ -156,7 +156,7 @@ NOT_RUN = [
     ("no manifest of a site", "tests/io/site"), ("expected a site (a folder", "tests/cli/serve_refusals_test.py"), ("one that vog page wrote", "tests/io/site"),
     ("--hierarchy --deflate", "tests/cli/serve_test.py"), ("columns are of text files", "recommends nothing"), ("pip install", "names a package"),
     ("convert(volume, fields=...)", "tests/python"), ("Levels(volumes, force=True)", "tests/python"), ("vog.set_units", "tests/python"), ("vog.Field", "tests/python"),
-    ("joint_field and fields", "tests/python"), ("choose one with --grid", "tests/io/points"), ("choose some with --grid", "tests/io/points"),
+    ("joint_field and fields", "tests/python"), ("vog.convert(cells)", "tests/python/test_cells.py"), ("choose one with --grid", "tests/io/points"), ("choose some with --grid", "tests/io/points"),
 ]
 # A message that names options, and recommends none: a value is wrong, or a fact is told.
 STATES_ONLY = re.compile(
