@@ -11,6 +11,9 @@
 #elif defined(VOG_EMULATED_KERNEL)
 // Clang: a copy for this source, whose executed lines are counted (tests/emulation).
 #define VOG_HD __attribute__((internal_linkage)) inline
+#elif defined(VOG_FLOAT_PAIRS)
+// GCC: no copy that the linker could take for the host's, whose rays are doubles.
+#define VOG_HD __attribute__((always_inline)) inline
 #else
 #define VOG_HD inline
 #endif
