@@ -4,6 +4,7 @@
 // window, Python, pages and vog-mpi call.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -129,6 +130,10 @@ ValueData value_data(const Gaussians& gaussians, const ScalarField& field);
 ValueData value_data(std::span<const Volume> volumes, std::span<const VoxelField> fields,
                      const Box& box);
 
+/// Magnitude of the gradient of a scene's scalar field below which 99 % of the mass lies, unit of the field per world unit: of a
+/// model's Gaussians, or of voxels by central differences. 0 for cells and without data.
+double steepest_gradient(const Scene& scene, const std::string& field);
+
 /// Range of values under a colour map, from the 1st to the 99th percentile of the data, weighted by mass: linear, or logarithmic over
 /// four decades at most. Data of one value: from 0 to that value.
 /// log     nothing: where they are above 0 and a decade apart or more, without a background
@@ -149,9 +154,10 @@ struct TransferRequest {
         log;  ///< whether a map is over logarithms; nothing: as value_scale, of a stated range not
     std::optional<std::pair<double, double>> window;  ///< centre and width (window_transfer)
     std::vector<ValueBand> bands;
-    std::optional<double> threshold;      ///< nothing is shown below
-    std::optional<double> unit_distance;  ///< world units
-    bool may_be_empty = false;            ///< whether all values of the data may be transparent
+    std::optional<double> threshold;          ///< nothing is shown below
+    std::optional<double> unit_distance;      ///< world units
+    std::vector<GradientOpacity> gradient{};  ///< ValueTransfer::gradient; none: that of the points
+    bool may_be_empty = false;                ///< whether all values of the data may be transparent
 };
 /// Origin of a unit distance.
 enum class UnitDistance {
@@ -258,9 +264,15 @@ inline bool shows_field(const PictureRequest& request) {
     return is_field_map(request.show) || is_by_value(request.show) ||
            (request.show == Show::slice && !request.field.empty());
 }
+/// Whether opacity depends on gradients, too.
+inline bool has_gradient(const TransferRequest& transfer) {
+    return !transfer.gradient.empty() || !transfer.points.points.gradient.empty();
+}
 /// The request's depth slabs, or as many as what it shows has by default.
 inline int depth_slabs(const PictureRequest& request) {
-    const int light = request.look.is_lit() ? kLitSlabs : kVolumeSlabs;
+    const bool fine = request.look.is_lit() || has_gradient(request.transfer) ||
+                      std::ranges::any_of(request.layers, has_gradient, &Layer::transfer);
+    const int light = fine ? kLitSlabs : kVolumeSlabs;
     return request.slabs.value_or(request.show == Show::maximum ? kMaximumSlabs : light);
 }
 

@@ -25,6 +25,15 @@ struct ValueOpacity {
     friend bool operator==(const ValueOpacity&, const ValueOpacity&) = default;
 };
 
+/// Control point of gradient opacity.
+struct GradientOpacity {
+    double magnitude =
+        0;              ///< length of the field's gradient, unit of the field per world unit, >= 0
+    double factor = 1;  ///< multiplies the extinction, [0, 1]
+    friend bool operator==(const GradientOpacity&, const GradientOpacity&) = default;
+};
+inline constexpr std::size_t kMostGradientPoints = 8;
+
 /// Opacity above this counts as this: an opacity of 1 is an infinite extinction.
 inline constexpr double kMostOpacity = 0.9999;
 
@@ -35,6 +44,9 @@ struct ValueTransfer {
     std::vector<ValueColor> color;      ///< at least one, sorted by value
     std::vector<ValueOpacity> opacity;  ///< at least one, sorted by value
     double unit_distance = 1;           ///< world units, > 0: length that an opacity refers to
+    /// Factor of the extinction by the magnitude of the field's gradient there, linear between points, constant beyond them: 2 to
+    /// kMostGradientPoints, ascending; none: 1 everywhere.
+    std::vector<GradientOpacity> gradient{};
     friend bool operator==(const ValueTransfer&, const ValueTransfer&) = default;
 };
 
@@ -51,6 +63,8 @@ ValueLight light_of(const ValueTransfer& transfer, double value);
 
 /// throws  vog::Error for no points, points out of order, numbers that are not finite or out of range
 void validate(const ValueTransfer& transfer);
+/// throws  vog::Error as validate(transfer) does
+void validate(const std::vector<GradientOpacity>& points);
 
 /// Transfer function of values from one of shares of a range.
 /// tf             points at shares of the range; without opacity: a ramp from 0 to 1

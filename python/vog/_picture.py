@@ -14,7 +14,7 @@ _Size = Union[int, Sequence[int]]
 
 # Members of requests by their keywords: (takes, text, unset, choices, shows, renderers).
 _MEMBERS = _vog._request_schema()
-_OF_LAYERS = ("tf", "range", "scale", "window", "bands", "threshold", "unit_distance")
+_OF_LAYERS = ("tf", "range", "scale", "window", "bands", "threshold", "gradient_opacity", "unit_distance")
 _RECOLORED = ("tf", "range", "scale", "extinction", "background", "blend", "least_column", "color_bar", "axes", "scale_bar", "title")
 
 
@@ -94,7 +94,7 @@ class Layer:
     plane     draw the field only on this plane: "z", "z=0.5", "axial", or (nx, ny, nz, d)
     color     of a surface: a name, "#rrggbb" or (r, g, b); None: a light grey
     opacity   of a plane or a surface, up to 1; None: 1
-    request   tf, range, scale, window, bands, threshold and unit_distance, as render() has them
+    request   tf, range, scale, window, bands, threshold, gradient_opacity and unit_distance, as render() has them
 
     Where layers overlap, their extinctions add up and their colours mix in proportion. Planes and surfaces hide what lies behind them. All
     but planes cast shadows on each other.

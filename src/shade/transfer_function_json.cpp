@@ -224,10 +224,11 @@ void set_domain(const json& value, const std::string& where, TransferPoints& rea
 TransferPoints from_vog(const json& object, const std::string& where) {
     for (const auto& [key, value] : object.items())
         if (key != "name" && key != "colors" && key != "opacity" && key != "domain" &&
-            key != "unit_distance")
-            throw Error(fmt::format(
-                "{}unknown key '{}', expected name, colors, opacity, domain and unit_distance",
-                where, key));
+            key != "unit_distance" && key != "gradient_opacity")
+            throw Error(
+                fmt::format("{}unknown key '{}', expected name, colors, opacity, domain, "
+                            "unit_distance and gradient_opacity",
+                            where, key));
     TransferPoints read;
     if (const auto domain = object.find("domain"); domain != object.end())
         set_domain(*domain, where + "domain", read);
@@ -252,6 +253,10 @@ TransferPoints from_vog(const json& object, const std::string& where) {
     if (const auto opacity = object.find("opacity"); opacity != object.end())
         for (const auto& row : nested_rows(*opacity, 2, where + "opacity"))
             read.points.opacity.push_back({row[0], row[1]});
+    if (const auto gradient = object.find("gradient_opacity"); gradient != object.end())
+        for (const auto& row : nested_rows(*gradient, 2, where + "gradient_opacity"))
+            read.points.gradient.push_back({row[0], row[1]});
+    validate(read.points.gradient);
     if (const auto name = object.find("name"); name != object.end()) {
         if (!name->is_string())
             throw Error(fmt::format("{}name: {}, expected a string", where, name->type_name()));
@@ -311,6 +316,8 @@ nlohmann::ordered_json shading::points_json(const TransferPoints& given) {
     json["colors"] = nlohmann::ordered_json::array();
     for (const ValueColor& p : points.color) json["colors"].push_back({p.value, p.r, p.g, p.b});
     for (const ValueOpacity& p : points.opacity) json["opacity"].push_back({p.value, p.opacity});
+    for (const auto& [at, factor] : points.gradient)
+        json["gradient_opacity"].push_back({at, factor});
     return json;
 }
 
@@ -337,18 +344,21 @@ TransferPoints transfer_points(const ValueTransfer& transfer) {
 
 void write_value_transfer(const std::filesystem::path& file, const ValueTransfer& transfer) {
     const TransferPoints points = transfer_points(transfer);
-    const std::string text =
-        name_text(transfer.name) +
-        fmt::format(",\n  \"domain\": [{}, {}],\n  \"unit_distance\": {}", points.lower,
-                    points.upper, transfer.unit_distance) +
-        points_text("colors", transfer.color,
-                    [](const ValueColor& p) {
-                        return fmt::format("{}, {}, {}, {}", p.value, p.r, p.g, p.b);
-                    }) +
-        points_text(
-            "opacity", transfer.opacity,
-            [](const ValueOpacity& p) { return fmt::format("{}, {}", p.value, p.opacity); }) +
-        "\n}\n";
+    std::string text = name_text(transfer.name) +
+                       fmt::format(",\n  \"domain\": [{}, {}],\n  \"unit_distance\": {}",
+                                   points.lower, points.upper, transfer.unit_distance) +
+                       points_text("colors", transfer.color,
+                                   [](const ValueColor& p) {
+                                       return fmt::format("{}, {}, {}, {}", p.value, p.r, p.g, p.b);
+                                   }) +
+                       points_text("opacity", transfer.opacity, [](const ValueOpacity& p) {
+                           return fmt::format("{}, {}", p.value, p.opacity);
+                       });
+    if (!transfer.gradient.empty())
+        text += points_text("gradient_opacity", transfer.gradient, [](const GradientOpacity& p) {
+            return fmt::format("{}, {}", p.magnitude, p.factor);
+        });
+    text += "\n}\n";
     write_file(file, [&](std::ofstream& out) { out << text; });
 }
 

@@ -81,6 +81,9 @@ Json fields_json(const Gaussians& model, const Camera& view) {
         entry["values"] = {scale.low, scale.high};
         entry["log"] = scale.kind == ColorScale::Kind::log;
         entry["unitDistance"] = map_unit_distance(data, scale);
+        entry["steepest"] = steepest_gradient(
+            scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)),
+            field.name);
         entry["histogram"] = histogram(model, field, false);
         if (field.lower > 0) entry["logHistogram"] = histogram(model, field, true);
         entry["ranges"] = {{"", maps_json(model, {field.name, FieldPart::value}, view)}};

@@ -38,7 +38,7 @@ VALUES = {
     "--set aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1", "--labels": "{made}/labels.nrrd",
     "--set rounding": "0.05", "--set step": "0.1", "export --units": "world|box", "export --as": "3dgs|volprim", "export --iso": "0.03|0.02", "export --voxel-size": "0.02", "--pixel-error": "40", "--set similarity": "0.9",
     "--set resolution": "0.5", "--set clip-lights": "0", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--combine": "sum|mesh",
-    "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
+    "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--gradient-opacity": "0:0,0.2:1", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--set mass-threshold": "0.2", "--set strategy": "single",
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume|none",
     "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",

@@ -40,7 +40,7 @@ VALUES = {
     "--extinction": "0.5", "--tf": "viridis", "--background": "white",
     "--show": "column", "--range": "0.1,2", "--units": "g/cm^2", "--title": "A title",
     "--combine": "sum", "--labels": "density", "--field": "density", "--for": "volume", "--set joint-steps": "1", "--measure": "volume", "--scale": "linear", "--set least-column": "0.01", "--values-out": "{out}/values.npy",
-    "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
+    "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2", "--gradient-opacity": "0:0.2,0.1:1",
     "--unit-distance": "2", "--layer": "tf=viridis", "--light": "1,2,3", "--light-from": "1,2,3", "--set scattering": "3", "--set asymmetry": "0.4", "--set clip-lights": "0", "--slabs": "8", "--set light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20", "--plane": "z", "--thickness": "2",
     "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--set model-psnr": "40", "--set rounding": "0.05", "--set field-rounding": "0.01", "--as": "3dgs", "--set description": "Some text", "--name": "a model", "--set levels": "2",
     "--voxel-size": "1", "--like": "{made}/cloud.vdb",

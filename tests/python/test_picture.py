@@ -322,6 +322,7 @@ BAD = [
     ({"show": "volume", "window": (1, 2), "bands": [(0, 1, (1, 1, 1), 1)]}, "window"),
     ({"show": "volume", "bands": [(0, 1)]}, "bands"), ({"show": "volume", "bands": [(1, 0, (1, 1, 1), 1)]}, "band"),
     ({"show": "volume", "threshold": "much"}, "threshold"), ({"show": "volume", "unit_distance": 0}, "unit_distance"),
+    *(({"show": "volume", "gradient_opacity": bad}, "gradient_opacity") for bad in ([(0, 1)], [(1, 0), (1, 1)], [(0, 0), (1, 2)], [(-1, 0), (1, 1)], "steep", [(0, 0), (1,)], [(k, 0) for k in range(9)])),
     ({"show": "volume", "unit_distance": np.inf}, "unit_distance"), ({"show": "volume", "light": "side"}, "light"),
     ({"show": "volume", "light": (0, 0, 0)}, "light"), ({"show": "volume", "light_weights": (1, 1, 1, 1)}, "light_weights"),
     ({"show": "volume", "light": "head", "light_weights": (1, 1)}, "light_weights"), ({"clip": [[1, 1, 1], [0, 2, 2]]}, "clip"),
@@ -341,7 +342,7 @@ BAD = [
     # Keywords without effect on T.
     *(({key: value}, f"{key} has no effect on show 'T', expected ") for key, value in (
         ("field", "heat"), ("range", (0, 1)), ("scale", "log"), ("window", (1, 2)), ("bands", [(0, 1, (1, 1, 1), 1)]), ("threshold", 1),
-        ("unit_distance", 1), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("clip_lights", False), ("ambient_occlusion", True), ("scattering", 2), ("asymmetry", 0.2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
+        ("unit_distance", 1), ("gradient_opacity", [(0, 0), (1, 1)]), ("light", "head"), ("light_weights", (1, 1, 1, 1)), ("shadows", True), ("light_from", (1, 0, 0)), ("clip_lights", False), ("ambient_occlusion", True), ("scattering", 2), ("asymmetry", 0.2), ("layers", [{}]), ("units", "K"), ("least_column", 0.5), ("slabs", 8), ("precision", 0))),
     ({"show": "column", "extinction": 2}, "extinction has no effect on show 'column'"), ({"show": "volume", "blend": True}, "blend has no effect"),
 ]  # fmt: skip
 

@@ -115,6 +115,14 @@ class Links(NodeTest):
         self.assertAlmostEqual(transfer["opacity"][1][1], 0.5)
         band = self.state('{"show": "volume", "field": "heat", "bands": [[290, 300, [1, 0, 0], 0.5], [305, null, [0, 0, 1], 1]]}')["transfers"]["0"]
         self.assertEqual([band["colors"][2], band["opacity"][-1]], [[305, 0, 0, 1], [315, 0]])
+        # Gradient opacity: under the page's own function, of a file, and beside an edited one.
+        steep = [[0, 0], [2, 0.5], [4, 1]]
+        own = self.state(json.dumps({"show": "volume", "field": "heat", "gradient_opacity": steep}))["transfers"]["0"]
+        self.assertEqual(own["gradient"], steep)
+        self.assertEqual(self.state(json.dumps({"show": "volume", "field": "heat", "tf": {"name": "own", "domain": [290, 310], "colors": [[290, 0, 0, 0], [310, 1, 1, 1]], "opacity": [[290, 0], [310, 1]], "gradient_opacity": steep}}))["transfers"]["0"]["gradient"], steep)
+        for wrong in ([[0, 0]], [[1, 0], [1, 1]], [[0, 0], [1, 2]], [[-1, 0], [1, 1]], "steep", [[n, 0] for n in range(9)]):
+            self.assertNotIn("0", self.state(json.dumps({"show": "volume", "field": "heat", "gradient_opacity": wrong}))["transfers"])
+            self.assertTrue(self.value("problems")[0].startswith("gradient_opacity "), wrong)
         self.state('{"units": "K"}')
         self.assertEqual(self.value("problems"), ["units: a page has none"])
 

@@ -25,7 +25,8 @@ STEP = {"name": "step", "unit": 0.5, "opacity": [[0.5, 0], [0.6, 0.9]], "colors"
 class Quantities(QuantityTest):
     def write_transfer(self, transfer):
         (self.folder / "tf.json").write_text(json.dumps(
-            {"domain": [0, 3], "unit_distance": transfer["unit"], "colors": transfer["colors"], "opacity": transfer["opacity"]}))
+            {"domain": [0, 3], "unit_distance": transfer["unit"], "colors": transfer["colors"], "opacity": transfer["opacity"],
+             **({"gradient_opacity": transfer["gradient"]} if "gradient" in transfer else {})}))
         return "tf.json"
 
     def volume(self, transfer, *options):
@@ -60,6 +61,14 @@ class Quantities(QuantityTest):
         self.volume(STEP, "--light", "head")
         self.change(camera={**self.value("vog.state.camera"), "span": 80})
         self.volume(STEP, "--light", "head")
+
+    def test_gradient_opacity_is_vog_renders(self):
+        self.start("model.html")
+        steep = {**STEP, "gradient": [[0, 0], [0.5 * self.value("vog.page.models[0].fields[0].steepest"), 1]]}
+        self.change(show="volume", transfers={"0": steep})
+        self.volume(steep)
+        self.value("vog.change({light: {...vog.state.light, shadows: true, lights: [{towards: [3, -1, 2], ofCamera: false, strength: 1}]}})")
+        self.volume(steep, "--shadows", "--light-from", "3,-1,2")
 
     def test_shadows_and_ambient_occlusion_are_vog_renders(self):
         light = ("--light", "1,2,1", "--shadows", "--ambient-occlusion")

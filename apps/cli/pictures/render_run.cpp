@@ -90,6 +90,9 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
                            std::vector<double> render_ms, const Stages& stages) {
     RenderedPicture picture;
     set_figures(drawn, picture);
+    const ResolvedPicture& made = drawn.made;
+    if (!made.chosen.transfer.gradient.empty() && made.layers.empty())
+        picture.steepest_gradient = steepest_gradient(inputs.scene, made.field.field);
     picture.output = arguments.output;
     picture.depth_output = arguments.depth_output;
     picture.values_output = arguments.values_output;
@@ -202,6 +205,7 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
         json["unit_distance"] = *picture.unit_distance;
         json["mean_opacity"] = picture.mean_opacity;
     }
+    if (picture.steepest_gradient) json["steepest_gradient"] = *picture.steepest_gradient;
     if (picture.cut)
         json["cut"] = {{"drawn", picture.cut->drawn()},
                        {"gaussians", picture.cut->leaves},

@@ -62,11 +62,13 @@ struct RenderedPicture {
     std::vector<double> render_ms;        ///< one per timed render, ascending; not empty
     SharedScales scales{};                ///< for later pictures
     std::optional<double> unit_distance;  ///< of a volume picture, world units
-    double mean_opacity = 0;              ///< of a volume picture, over the pixels it covers
-    std::optional<CutReport> cut;         ///< renders through a hierarchy
-    std::optional<SiteCutReport> site;    ///< of sites read for the view
-    std::optional<TraceReport> traced;    ///< renders by rays
-    std::optional<double> gpu_ms;         ///< device time of the last picture
+    std::optional<double>
+        steepest_gradient;    ///< of one with gradient opacity (steepest_gradient in vog/picture.h)
+    double mean_opacity = 0;  ///< of a volume picture, over the pixels it covers
+    std::optional<CutReport> cut;                          ///< renders through a hierarchy
+    std::optional<SiteCutReport> site;                     ///< of sites read for the view
+    std::optional<TraceReport> traced;                     ///< renders by rays
+    std::optional<double> gpu_ms;                          ///< device time of the last picture
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
     std::uint64_t peak_memory = 0;                         ///< bytes
     std::vector<std::string> notes;                        ///< printed about the inputs

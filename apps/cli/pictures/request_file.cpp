@@ -45,13 +45,30 @@ PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileK
     };
     // Another quantity has other values.
     if (words.has("show") || words.has("field"))
-        drop({"field",      "tf",         "range",       "scale",
-              "window",     "bands",      "threshold",   "unit_distance",
-              "units",      "extinction", "light",       "light_weights",
-              "shadows",    "light_from", "clip_lights", "ambient_occlusion",
-              "scattering", "asymmetry",  "slabs",       "layers"});
+        drop({"field",
+              "tf",
+              "range",
+              "scale",
+              "window",
+              "bands",
+              "threshold",
+              "unit_distance",
+              "gradient_opacity",
+              "units",
+              "extinction",
+              "light",
+              "light_weights",
+              "shadows",
+              "light_from",
+              "clip_lights",
+              "ambient_occlusion",
+              "scattering",
+              "asymmetry",
+              "slabs",
+              "layers"});
     if (words.has("layers"))
-        drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance"});
+        drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance",
+              "gradient_opacity"});
     if (words.has("window") || words.has("bands")) drop({"tf", "range", "scale"});
     if (words.has("window")) drop({"bands"});
     if (words.has("bands")) drop({"window"});
@@ -96,7 +113,8 @@ void take_channels(RenderArguments& arguments) {
     const RequestWords& words = arguments.words;
     const bool stated = std::ranges::any_of(
         std::initializer_list<const char*>{"field", "tf", "range", "scale", "window", "bands",
-                                           "threshold", "unit_distance", "layers", "renderer"},
+                                           "threshold", "gradient_opacity", "unit_distance",
+                                           "layers", "renderer"},
         [&](const char* key) { return words.has(key); });
     // Steps in time, which a pattern or a folder of pictures states, show one channel each.
     const bool steps =

@@ -23,9 +23,12 @@ constexpr int kPieceColumns = 1024;                         // expected.glsl
 constexpr float kRounding = 4e-7f;                          // device::moments_of
 constexpr int kReachedUnit = 15;                            // of textures
 
-int slabs_a_pass(const GlVolume& volume) {
-    return volume.picture.request.look.light ? kLitLayers : kLayers;
+/// Whether sums have gradients.
+bool is_lit(const GlVolume& volume) {
+    return volume.picture.request.look.light ||
+           (volume.transfer() && !volume.transfer()->gradient.empty());
 }
+int slabs_a_pass(const GlVolume& volume) { return is_lit(volume) ? kLitLayers : kLayers; }
 int passes_of(const GlVolume& volume) {
     const int in_pass = slabs_a_pass(volume);
     return (volume.slabs() + in_pass - 1) / in_pass;
@@ -203,8 +206,14 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
                          Jitter jitter, int first) const {
     const auto f = as_float;
     program.use();
-    const device::MeanLight light = light_.mean_light();
+    const device::MeanLight light = light_.mean_light(0, volume.model->unit());
     program.set("piece_count", light.pieces.count);
+    const device::GradientFactor& factor = light.gradient;
+    program.set("gradient", f(factor.parts), factor.first, light.per_gradient, 0);
+    std::array<std::array<float, 4>, device::GradientFactor::kMostParts> parts{};
+    for (std::size_t n = 0; n < parts.size(); ++n)
+        parts[n] = {factor.start[n], factor.width[n], factor.slope[n], 0};
+    program.set("gradient_part", parts);
     program.set("exact", light_.resolved() ? 0 : 1);
     program.set("columns", light.low, light.high, light.per_range, light.per_part);
     program.set("unit", 1.0f);
@@ -265,7 +274,7 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
 
 void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first,
                          const GlTarget* kept, bool draws) {
-    const int lit = volume.picture.request.look.light ? 1 : 0, in_pass = slabs_a_pass(volume);
+    const int lit = is_lit(volume) ? 1 : 0, in_pass = slabs_a_pass(volume);
     const GlProgram& finish = finish_programs_[lit];
     strip_->clear();
     before_->clear();

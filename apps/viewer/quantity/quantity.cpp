@@ -124,7 +124,9 @@ bool same_moments(const ResolvedPicture& a, const ResolvedPicture& b) {
            a.camera() == b.camera() && p.options.clip == q.options.clip &&
            p.options.pixel_error == q.options.pixel_error &&
            (!is_by_value(p.show) ||
-            (p.slabs == q.slabs && (is_largest(a) || p.look.light == q.look.light)));
+            (p.slabs == q.slabs && (is_largest(a) || (p.look.light == q.look.light &&
+                                                      a.chosen.transfer.gradient.empty() ==
+                                                          b.chosen.transfer.gradient.empty()))));
 }
 
 bool same_sums(const ResolvedPicture& a, const ResolvedPicture& b) {

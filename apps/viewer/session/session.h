@@ -101,6 +101,7 @@ class Session {
     std::vector<float> histogram;    ///< fraction of the pixels with T > 0 by V, equal bins
     std::vector<float>
         value_histogram;  ///< measure of the model by value over the field's range, the largest 1
+    double steepest = 0;  ///< steepest_gradient() of the field
     double automatic_extinction = 1;        ///< latest value of auto_exposure()
     std::vector<std::string> opened_files;  ///< of the latest open()
     std::string message;                    ///< latest result or error, for the status line

@@ -96,6 +96,8 @@ void Session::begin_values() {
     values_of_ = name;
     value_histogram =
         by_value::value_histogram(model, field, by_value::value_bins(field, kValueBins));
+    steepest = steepest_gradient(
+        scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)), name);
 }
 
 void Session::set_scale(const ColorScale& wanted) {
@@ -143,6 +145,7 @@ void Session::set_map(const std::string& name_or_file) {
     TransferRequest request;
     request.points = points;
     request.unit_distance = values.now()->unit_distance;
+    if (points.points.gradient.empty()) request.gradient = values.now()->gradient;
     set_values(vog::choose_transfer(request, data).transfer);
 }
 

@@ -174,6 +174,41 @@ void draw_presets(Session& session, Gui& gui, ValueRange range) {
     mark(gui, "redo");
 }
 
+/// Gradient opacity that rises from nothing at one magnitude to all at another.
+void draw_gradient(Session& session, Gui& gui) {
+    ValueTransfer next = *session.values.now();
+    std::vector<GradientOpacity>& points = next.gradient;
+    const double most = session.steepest;
+    bool on = !points.empty();
+    bool changed = ImGui::Checkbox("boundaries", &on);
+    mark(gui, "boundaries");
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip(
+            "Gradient opacity: hide matter whose values hardly change from place to place");
+    if (changed)
+        points = on ? std::vector<GradientOpacity>{{0, 0}, {0.5 * most, 1}}
+                    : std::vector<GradientOpacity>{};
+    if (on && most > 0) {
+        auto low = static_cast<float>(points.front().magnitude / most);
+        auto high = static_cast<float>(points.back().magnitude / most);
+        const std::string text = fmt::format("{:.3g}", points.front().magnitude);
+        const std::string to = fmt::format("{:.3g}", points.back().magnitude);
+        if (ImGui::DragFloatRange2("gradient", &low, &high, 0.003f, 0, 2, text.c_str(), to.c_str(),
+                                   ImGuiSliderFlags_AlwaysClamp) &&
+            low < high) {
+            points = {{double{low} * most, 0}, {double{high} * most, 1}};
+            changed = true;
+        }
+        mark(gui, "gradient");
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip(
+                "Magnitudes of the gradient, unit of the field per world unit, from which\n"
+                "matter begins to show and is shown whole; 99 %% of the data lie below %.3g",
+                most);
+    }
+    if (changed) attempt(session, [&] { session.set_values(next); });
+}
+
 }  // namespace
 
 void window_by_drag(Session& session, double right, double up) {
@@ -245,6 +280,7 @@ void draw_values(Session& session, Gui& gui, float ui) {
     }
     mark(gui, "unit distance");
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("World length that an opacity refers to");
+    draw_gradient(session, gui);
     ImGui::BeginDisabled(!can_log);
     ImGui::Checkbox("log values", &gui.log_values);
     ImGui::EndDisabled();

@@ -142,6 +142,9 @@ ValueRange value_range(const ScalarField& field) {
 LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& range,
                                bool per_value, double unit) {
     add_pieces(transfer, range, per_value, unit);
+    shape_.gradient = gradient_factor(transfer);
+    if (shape_.gradient.any())
+        per_gradient_ = (range.upper - range.lower) / transfer.gradient.back().magnitude;
     const double first = std::min(transfer.color.front().value, transfer.opacity.front().value);
     const double last = std::max(transfer.color.back().value, transfer.opacity.back().value);
     double low = std::clamp(range.share(first), 0.0, 1.0);

@@ -34,9 +34,11 @@ class LightOfMoments {
 
     /// Mean light per unit of the measure and world unit, times the unit: extinction times red, green and blue, and
     /// extinction. Valid while this lives, unchanged.
-    /// slabs  of the picture; 0: values are mixed
-    device::MeanLight mean_light(int slabs = 0) const {
+    /// slabs   of the picture; 0: values are mixed
+    /// length  of gradients, world units: they are shares of the range over it
+    device::MeanLight mean_light(int slabs = 0, double length = 1) const {
         device::MeanLight out = shape_;
+        out.per_gradient = static_cast<float>(per_gradient_ / length);
         out.pieces = {pieces_.data(), static_cast<std::int32_t>(pieces_.size())};
         out.table = resolved_ ? table_.data() : nullptr;
         out.parts_per_cell = static_cast<float>(slabs) / device::kDepthCells;
@@ -58,6 +60,7 @@ class LightOfMoments {
     std::vector<float> table_;   ///< of MeanLight
     device::MeanLight shape_{};  ///< its columns
     bool resolved_ = true;
+    double per_gradient_ = 0;  ///< share of GradientFactor by one of the range, world units
 };
 
 }  // namespace vog::by_value

@@ -26,9 +26,31 @@ double slope(double from, double to, double width) { return width > 0 ? (to - fr
 
 }  // namespace
 
+device::GradientFactor gradient_factor(const ValueTransfer& transfer) {
+    const std::vector<GradientOpacity>& points = transfer.gradient;
+    validate(points);
+    device::GradientFactor out{};
+    if (points.empty()) return out;
+    static_assert(device::GradientFactor::kMostParts + 1 == kMostGradientPoints);
+    const double most = points.back().magnitude;
+    out.first = static_cast<float>(points.front().factor);
+    for (std::size_t n = 0; n + 1 < points.size(); ++n) {
+        const auto [from, low] = points[n];
+        const auto [to, high] = points[n + 1];
+        out.start[n] = static_cast<float>(from / most);
+        out.width[n] = static_cast<float>((to - from) / most);
+        out.slope[n] = static_cast<float>((high - low) * (most / (to - from)));
+        ++out.parts;
+    }
+    return out;
+}
+
 ValuePieces::ValuePieces(const ValueTransfer& transfer)
-    : first_(device::kValueBuckets), unit_distance_(transfer.unit_distance) {
+    : first_(device::kValueBuckets),
+      unit_distance_(transfer.unit_distance),
+      gradient_(gradient_factor(transfer)) {
     validate(transfer);
+    if (has_gradient()) steepest_ = transfer.gradient.back().magnitude;
     std::vector<double> starts{-kInfinity};
     for (const ValueColor& point : transfer.color) starts.push_back(point.value);
     for (const ValueOpacity& point : transfer.opacity) starts.push_back(point.value);

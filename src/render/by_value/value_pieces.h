@@ -10,6 +10,10 @@
 
 namespace vog::by_value {
 
+/// Gradient opacity of a transfer function.
+/// throws  vog::Error as validate does
+device::GradientFactor gradient_factor(const ValueTransfer& transfer);
+
 /// Pieces between the points of colour and opacity, in each of which both are linear.
 class ValuePieces {
   public:
@@ -25,10 +29,13 @@ class ValuePieces {
 
     /// Valid while this lives, unchanged.
     device::ValueTable table() const {
-        return {pieces_.data(),     first_.data(),  lowest_,
-                buckets_per_value_, unit_distance_, kMostOpacity};
+        return {pieces_.data(), first_.data(), lowest_,   buckets_per_value_,
+                unit_distance_, kMostOpacity,  gradient_, steepest_};
     }
     const std::vector<device::ValuePiece>& pieces() const { return pieces_; }
+    /// Factor of the extinction by the magnitude of a gradient, >= 0.
+    double factor(double magnitude) const { return table().factor(magnitude); }
+    bool has_gradient() const { return gradient_.any(); }
     const std::vector<std::uint32_t>& buckets() const { return first_; }
 
   private:
@@ -36,6 +43,8 @@ class ValuePieces {
     std::vector<std::uint32_t> first_;  ///< [device::kValueBuckets]
     double lowest_ = 0, buckets_per_value_ = 0;
     double unit_distance_ = 1;
+    device::GradientFactor gradient_{};
+    double steepest_ = 1;
 };
 
 }  // namespace vog::by_value

@@ -10,6 +10,7 @@
 // All weights are >= 0: the colour lies between those of the transfer function.
 #pragma once
 
+#include "render/device/gradient_factor.h"
 #include "render/device/vector.h"
 
 namespace vog::device {
@@ -53,6 +54,8 @@ struct MeanLight {
     float first_seen, last_seen;  ///< no light below and above
     float most;                   ///< extinction per unit of tau
     float parts_per_cell;         ///< slabs, or other parts of the depth; 0: values are mixed
+    GradientFactor gradient;
+    float per_gradient;  ///< share of GradientFactor by a part's gradient
 
     VOG_HD float position(float mean) const {
         return mean * per_range + (fminf(fmaxf(mean, low), high) - low) * per_part;

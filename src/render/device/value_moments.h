@@ -10,7 +10,7 @@
 
 namespace vog::device {
 
-/// Sums of a part; a maximum has the first two, unlit pictures the first four.
+/// Sums of a part; a maximum has the first two, pictures without light and gradient opacity the first four.
 enum ValueChannel : int32_t { kTau, kFirst, kSecond, kThird, kGradient };
 constexpr int32_t kMaximumChannels = kSecond, kUnlitChannels = kGradient,
                   kLitChannels = kGradient + 3;
@@ -18,7 +18,7 @@ constexpr int32_t kMaximumChannels = kSecond, kUnlitChannels = kGradient,
 /// Central moments.
 struct ValueMoments {
     float tau, mean, variance, third;  ///< tau 0: nothing
-    Float3 gradient;                   ///< times a factor > 0; without light 0
+    Float3 gradient;                   ///< times tau; without light or gradient opacity 0
 };
 /// sum  [channels]
 VOG_HD ValueMoments moments_of(const float* sum, bool lit) {
@@ -77,6 +77,13 @@ VOG_HD float seen_share(float high, float low, float of_high) {
     return -logf(fmaxf(passed, 1e-30f)) / mean;
 }
 
+/// Factor of the light by the mean gradient.
+/// m  tau > 0
+VOG_HD float gradient_factor(const MeanLight& light, const ValueMoments& m) {
+    if (!light.gradient.any()) return 1;
+    const float steep = sqrtf(dot(m.gradient, m.gradient));
+    return light.gradient.at(light.per_gradient * steep / m.tau);
+}
 /// Mean light per unit of tau.
 /// m         tau > 0
 /// division  of the part that has parts_per_cell: how many of these it would take
@@ -86,8 +93,9 @@ VOG_HD void mean_light_of(const MeanLight& light, const ValueMoments& m, float d
     float low[4];
     light.light(pair.high, pair.high_variance, out);
     light.light(pair.low, pair.low_variance, low);
-    const float cell = m.tau * light.parts_per_cell * division;
-    const float seen = seen_share(out[3] * cell, low[3] * cell, pair.of_high);
+    const float factor = gradient_factor(light, m);
+    const float cell = factor * m.tau * light.parts_per_cell * division;
+    const float seen = factor * seen_share(out[3] * cell, low[3] * cell, pair.of_high);
     for (int c = 0; c < 4; ++c) out[c] = seen * (low[c] + pair.of_high * (out[c] - low[c]));
 }
 /// Shades mean light.
@@ -191,7 +199,8 @@ VOG_HD void composite_slab(const MeanLight& light, const LitRay& ray, int32_t sl
     const float at = static_cast<float>(slab);
     ray.light_of(light, own, at, 1, color);
     const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
-    const float division = division_of(color[3] * own.tau, trend, own.variance, ray.look->on);
+    const float division =
+        division_of(color[3] * own.tau, trend, own.variance, ray.look->on || light.gradient.any());
     if (!(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;
@@ -203,6 +212,7 @@ VOG_HD void composite_slab(const MeanLight& light, const LitRay& ray, int32_t sl
     for (int32_t k = 0; k < kSurfaceSteps && seen.passed >= kDarkTransmittance; ++k) {
         ValueMoments step = step_between(own, before, behind, division, k);
         step.tau *= scale, step.mean += shift;
+        if (light.gradient.any()) step.gradient = scale * step.gradient;
         const float of_slab = (static_cast<float>(k) + 0.5f) / kSurfaceSteps - 0.5f;
         ray.light_of(light, step, at + of_slab, kSurfaceSteps, color);
         composite(color, step.tau, seen);

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/parallel.h"
 #include "data/cells/cell_moments.h"
 #include "render/by_value/slab_moments.h"
 #include "render/by_value/value_pieces.h"
+#include "render/reference/fields/field_grid.h"
 #include "vog/distributed.h"
 
 namespace vog::lights {
@@ -26,6 +28,7 @@ struct LatticeGaussian {
     double share = 0;        ///< of the field's range, at the mean
     Vec3d slope{};           ///< change of the mean share with the place
     Residual within{};
+    Vec3d gradient{};  ///< of the share, per world unit
 
     /// Calls visit(x, y, density, share) for the cells of a layer.
     template <class Visit>
@@ -71,6 +74,7 @@ LatticeGaussian on_lattice(const Gaussians& gaussians, const ScalarField& field,
     out.slope = out.form * along;
     out.share = range.share(double{field.value[i]});
     out.within = residual_of(field, range, i);
+    out.gradient = 1 / lattice.edge * gradient;
     out.within.variance += std::max(dot(gradient, along) - dot(along, out.slope), 0.0);
     double whole = 0;
     out.density = 1;
@@ -200,29 +204,35 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
         if (all[i].density > 0)
             for (int z = all[i].lower.z; z <= all[i].upper.z; ++z)
                 layers[static_cast<std::size_t>(z)].push_back(static_cast<std::uint32_t>(i));
-    std::vector<double> sums(4 * lattice.sum.size());
+    const device::MeanLight mixed = light.mean_light();
+    const std::size_t channels = mixed.gradient.any() ? 7 : 4;
+    std::vector<double> sums(channels * lattice.sum.size());
     vog::parallel_for(0, lattice.size.z, [&](int z) {
         for (const std::uint32_t i : layers[static_cast<std::size_t>(z)])
             all[i].each_cell(z, [&](int x, int y, double density, double share) {
                 MomentSums part;
                 part.add(density, share, all[i].within);
-                double* to = &sums[4 * lattice.at(x, y, z)];
+                double* to = &sums[channels * lattice.at(x, y, z)];
                 to[0] += part.tau, to[1] += part.first, to[2] += part.second, to[3] += part.third;
+                for (int axis = 0; axis < 3 && channels == 7; ++axis)
+                    to[4 + axis] += density * all[i].gradient[axis];
             });
     });
     if (processes) processes->sum(sums);
-    const device::MeanLight mixed = light.mean_light();
     device::MeanLight beside = mixed;
     beside.parts_per_cell =
         static_cast<float>(lattice.edge * lattice.cells / (device::kDepthCells * unit));
     if (lattice.whole.empty()) lattice.whole = lattice.sum;
     vog::parallel_for(std::size_t{0}, lattice.sum.size(), [&](std::size_t n) {
-        const double* of = &sums[4 * n];
-        const MomentSums cell{of[0], of[1], of[2], of[3]};
+        const double* of = &sums[channels * n];
+        const MomentSums cell{of[0], of[1], of[2], of[3],
+                              channels == 7 ? Vec3d{of[4], of[5], of[6]} : Vec3d{}};
         if (!(cell.tau > 0)) return;
+        device::ValueMoments moments = cell.moments();
+        moments.gradient = moments.tau * moments.gradient;
         const auto extinction = [&](const device::MeanLight& by) {
             float mean[4];
-            device::mean_light_of(by, cell.moments(), 1, mean);
+            device::mean_light_of(by, moments, 1, mean);
             return cell.tau * double{mean[3]} / unit;
         };
         lattice.sum[n] += extinction(beside);
@@ -235,6 +245,11 @@ void add_extinction(const Volume& volume, const VoxelField& field, const ValueTr
     const ValuePieces pieces(transfer);
     const VoxelValues& values = field.component.front();
     const bool own = values.leaf.empty() && values.tile.empty();
+    std::optional<reference::FieldGrid> grid;
+    if (pieces.has_gradient()) grid.emplace(volume, field, FieldPart::value);
+    const auto by_gradient = [&](const reference::FieldCell& cell) {
+        return grid ? pieces.factor(length(grid->gradient(cell))) : 1;
+    };
     const auto extinction = [&](float density, float value) {
         const double of_value =
             pieces(own ? double{density} + field.background : double{value}).extinction;
@@ -246,15 +261,19 @@ void add_extinction(const Volume& volume, const VoxelField& field, const ValueTr
         for (int n = 0; n < kLeafVoxels; ++n) {
             if (!leaf.active(n)) continue;
             const auto offset = static_cast<std::size_t>(n);
-            const float value = own ? 0 : values.leaf[l][offset];
-            points.add(leaf.origin + Vec3i{n >> 6, n >> 3 & 7, n & 7},
-                       extinction(leaf.value[offset], value), to);
+            const float value = own ? 0 : values.leaf[l][offset], density = leaf.value[offset];
+            const Vec3i index = leaf.origin + Vec3i{n >> 6, n >> 3 & 7, n & 7};
+            points.add(index,
+                       extinction(density, value) *
+                           by_gradient({double{density}, double{value}, false, index, {}}),
+                       to);
         }
     });
     for (std::size_t t = 0; t < volume.tiles.size(); ++t) {
         const Tile& tile = volume.tiles[t];
         VoxelPoints(volume, lattice, tile.edge)
-            .add(tile.origin, extinction(tile.value, own ? 0 : values.tile[t]), lattice);
+            .add(tile.origin, extinction(tile.value, own ? 0 : values.tile[t]) * pieces.factor(0),
+                 lattice);
     }
 }
 

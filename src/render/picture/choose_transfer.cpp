@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "data/fields/field_limits.h"
+#include "render/reference/fields/field_grid.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 
@@ -85,6 +86,38 @@ ValueData value_data(std::span<const Volume> volumes, std::span<const VoxelField
     return data;
 }
 
+double steepest_gradient(const Scene& scene, const std::string& field) {
+    ValueCounts counts;
+    const auto add = [&](double magnitude, double mass) {
+        counts.add(static_cast<float>(magnitude), mass);
+    };
+    if (scene.has_voxels()) {
+        const VoxelSource& source = scene.voxels();
+        const auto& values = std::ranges::find(source.fields, field, &SampledField::name)->values;
+        const std::vector<reference::FieldGrid> grids =
+            reference::field_grids(source.volumes->volumes, values, FieldPart::value);
+        for (std::size_t g = 0; g < grids.size(); ++g) {
+            const auto& leaves = source.volumes->volumes[g].leaves;
+            for (std::size_t l = 0; l < leaves.size(); ++l)
+                for (int n = 0; n < kLeafVoxels; ++n) {
+                    if (!leaves[l].active(n)) continue;
+                    const auto offset = static_cast<std::size_t>(n);
+                    const double density{leaves[l].value[offset]};
+                    const Vec3i index = leaves[l].origin + Vec3i{n >> 6, n >> 3 & 7, n & 7};
+                    const double value =
+                        grids[g].own() ? density : double{values[g].component[0].leaf[l][offset]};
+                    add(length(grids[g].gradient({density, value, false, index, {}})), density);
+                }
+        }
+    } else if (!scene.has_cells()) {
+        const Gaussians& model = *scene.model().model;
+        const ScalarField& of = *model.fields.find_scalar(field);
+        for (std::size_t i = 0; i < model.size(); ++i)
+            add(length(vec_cast<double>(of.gradient[i])), mass(model, i));
+    }
+    return counts.spread().high;
+}
+
 ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
     using Kind = ColorScale::Kind;
     // Rays end in outer layers of low values: linear colours of a decade and more would be dark.
@@ -158,6 +191,12 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
         if (points.has_unit_distance) chosen.unit_distance = UnitDistance::stated;
     }
     if (request.unit_distance) chosen.transfer.unit_distance = unit;
+    if (!request.gradient.empty()) chosen.transfer.gradient = request.gradient;
+    validate(chosen.transfer.gradient);
+    if (!chosen.transfer.gradient.empty() && !(data.lower < data.upper) && !request.may_be_empty)
+        throw RequestError(
+            "gradient_opacity",
+            fmt::format(": the field has no gradient, all its values are {}", data.lower));
     if (is_ramp && chosen.unit_distance == UnitDistance::rough) {
         chosen.transfer.unit_distance = map_unit_distance(data, chosen.scale);
         chosen.unit_distance = UnitDistance::of_map;

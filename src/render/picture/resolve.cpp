@@ -108,6 +108,14 @@ void choose_light(ResolvedPicture& picture, const Scene& scene) {
     TransferRequest& transfer = picture.request.transfer;
     if (picture.request.fit != ScaleFit::automatic)
         transfer.log = picture.request.fit == ScaleFit::log;
+    const VolumeLook& look = picture.request.look;
+    if (has_gradient(transfer) && (look.shadows || look.occlusion) &&
+        (scene.has_cells() ||
+         (scene.has_voxels() && scene.collective && scene.collective->several())))
+        throw RequestError("gradient_opacity",
+                           scene.has_cells()
+                               ? ": cells cast no shadows under it; convert them to a model"
+                               : ": voxels of several processes cast no shadows under it; use one");
     const bool stated = transfer.window || !transfer.bands.empty();
     try {
         picture.chosen = choose_transfer(transfer, value_data(scene, picture.field.field));
@@ -139,9 +147,12 @@ void require_layer_effects(const Layer& layer, bool is_surface) {
     const TransferRequest& t = layer.transfer;
     const bool has_values = !layer.field.empty() || layer.plane || t.range || t.log || t.window ||
                             !t.bands.empty() || t.threshold || t.unit_distance ||
-                            !t.points.points.color.empty() || layer.fit != ScaleFit::automatic;
+                            !t.gradient.empty() || !t.points.points.color.empty() ||
+                            layer.fit != ScaleFit::automatic;
     if (is_surface && has_values)
         throw RequestError("layers", ": a surface has no values, expected color or opacity");
+    if (layer.plane && has_gradient(t))
+        throw RequestError("layers", ": a plane shows values, without gradient opacity");
     if (!is_surface && layer.color)
         throw RequestError("layers", ": only a surface has a color; use tf or band");
     if (!is_surface && layer.opacity && !layer.plane)
@@ -354,6 +365,7 @@ ResolvedPicture recolored(ResolvedPicture picture, PictureRequest request) {
         picture.colors = shading::over_unit_range(points);
     else if (points.points != picture.request.transfer.points.points ||
              request.transfer.range != picture.request.transfer.range ||
+             request.transfer.gradient != picture.request.transfer.gradient ||
              request.fit != picture.request.fit)
         throw Error("the light of a volume is drawn under its transfer function: draw it again");
     picture.request = std::move(request);

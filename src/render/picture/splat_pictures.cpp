@@ -79,7 +79,7 @@ class SplatPictures : public SourceRenderer {
         std::string field;
         int slabs = 0;
         double precision = 0;
-        bool lit = false;
+        bool lit = false, by_gradient = false;
         Clipping clip{};
         friend bool operator==(const Kept&, const Kept&) = default;
     };
@@ -90,8 +90,9 @@ class SplatPictures : public SourceRenderer {
         options.slabs = depth_slabs(picture.request);
         options.precision = picture.request.precision;
         const ValueTransfer& transfer = picture.chosen.transfer;
-        Kept wanted{picture.field.field, options.slabs, options.precision, options.look.light,
-                    options.look.clip};
+        Kept wanted{picture.field.field,        options.slabs,
+                    options.precision,          options.look.light,
+                    !transfer.gradient.empty(), options.look.clip};
         if (slabs_ && kept_ == wanted) {
             slabs_->set_transfer(transfer);
             slabs_->set_light(options.look);

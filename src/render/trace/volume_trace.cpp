@@ -204,7 +204,8 @@ Rgba composited(const RaySteps& steps, device::MeanLight light, const device::Bl
     if (steps.length > 0) light.parts_per_cell = static_cast<float>(cell / steps.length);
     for (std::size_t n = 0; n < steps.sums.size(); ++n) {
         if (!(steps.sums[n].tau > 0)) continue;
-        const device::ValueMoments moments = steps.sums[n].moments();
+        device::ValueMoments moments = steps.sums[n].moments();
+        if (light.gradient.any()) moments.gradient = moments.tau * moments.gradient;
         const double at = steps.first + (double(n) + 0.5) * steps.length;
         float color[4];
         lit.middle = plain(ray.origin + at * ray.direction);

@@ -81,6 +81,25 @@ double opacity_at(const ValueTransfer& transfer, double value) {
 
 }  // namespace
 
+void validate(const std::vector<GradientOpacity>& points) {
+    if (points.empty()) return;
+    if (points.size() < 2 || points.size() > kMostGradientPoints)
+        throw Error(fmt::format("gradient opacity: {} points, expected 2 to {}", points.size(),
+                                kMostGradientPoints));
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        const auto [magnitude, factor] = points[n];
+        if (!(magnitude >= 0 && std::isfinite(magnitude)))
+            throw Error(
+                fmt::format("gradient opacity: magnitude {}, expected finite, from 0", magnitude));
+        if (!(factor >= 0 && factor <= 1))
+            throw Error(fmt::format("gradient opacity: factor {} at {}, expected in [0, 1]", factor,
+                                    magnitude));
+        if (n > 0 && !(magnitude > points[n - 1].magnitude))
+            throw Error(fmt::format("gradient opacity: {} after {}, expected ascending magnitudes",
+                                    magnitude, points[n - 1].magnitude));
+    }
+}
+
 void validate(const ValueTransfer& transfer) {
     const std::string where =
         transfer.name.empty() ? "transfer function" : "transfer function " + transfer.name;
@@ -98,6 +117,7 @@ void validate(const ValueTransfer& transfer) {
     if (!(transfer.unit_distance > 0) || !std::isfinite(transfer.unit_distance))
         throw Error(fmt::format("{}: unit_distance {}, expected a finite length > 0", where,
                                 transfer.unit_distance));
+    validate(transfer.gradient);
 }
 
 ValueLight light_of(const ValueTransfer& transfer, double value) {

@@ -107,6 +107,11 @@ export class Controls {
       this.middleUnit = 0;
       this.editor.edit({ ...this.editor.transfer, unit: 0 });
     });
+    on('gradient', 'pointerdown', () => this.editor.remember());
+    on('gradient', 'input', () => {
+      const { transfer: { gradient: _, ...transfer }, source } = this.editor, share = find('gradient').valueAsNumber;
+      this.editor.edit(share > 0 ? { ...transfer, gradient: [[0, 0], [share * source.steepest, 1]] } : transfer, true);
+    });
     on('preset', 'change', () => {
       const { transfer } = this.editor, make = presets[find('preset').value];
       if (make) this.editor.edit({ ...transfer, opacity: make(this.editor.axis.value) });
@@ -184,6 +189,10 @@ export class Controls {
       this.middleUnit ||= transfer.unit;
       find('density').value = 3 * Math.log10(this.middleUnit / transfer.unit);
       find('unit').textContent = `unit ${numberText(transfer.unit)}`;
+      const [steep] = transfer.gradient?.at(-1) ?? [0];
+      find('gradient').disabled = !(source.steepest > 0);
+      find('gradient').value = steep / source.steepest;
+      find('steep').textContent = steep > 0 ? numberText(steep) : 'off';
       find('preset').value = '';
       drawTicks(find('editor-ticks'), ticks(this.editor.axis));
       find('undo').disabled = this.editor.past.length === 0;

@@ -57,7 +57,8 @@ export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
  * parts  key of source.now(); size: pixels; slabs: their number
  */
 export function sumsOf(state, parts, size, slabs) {
-  const { camera, model, clip, planes, show, light } = state, of = inSlabs(show) ? [show, slabs, show === 'volume' && light.on] : [];
+  const { camera, model, clip, planes, show, light } = state, hasGradients = light.on || Boolean(state.transfers?.[state.field]?.gradient);
+  const of = inSlabs(show) ? [show, slabs, show === 'volume' && hasGradients] : [];
   return { view: [camera, model, ...size, clip, planes], of: [parts, fieldKey(state), ...of].join(' ') };
 }
 

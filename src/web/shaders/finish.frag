@@ -28,6 +28,8 @@ uniform vec2 reach_layers;      // lights in the texture, half a cell along z
 uniform vec3 reach_eye, reach_right, reach_up, reach_forward;  // its coordinates at the eye, and their change along the camera's axes
 uniform float reach_edge;       // of a cell
 uniform float slabs, first_slab;  // first_slab: of before_0
+uniform vec4 gradient_part[7];  // GradientFactor: start, width and slope of each
+uniform vec4 gradient;          // its number of parts, its first factor, its share by a gradient
 
 layout(location = 0) out vec4 color;
 
@@ -77,18 +79,25 @@ vec4 normal_light(float mean, float variance) {
                         : 1.0 + float(floatBitsToInt(min(variance, kMostVariance)) - floatBitsToInt(kLeastVariance)) / 8388608.0);
 }
 
+// Gradient opacity: render/device/gradient_factor.h.
+float gradient_factor(Moments m) {
+    float share = gradient.z * length(m.gradient) / m.tau, factor = gradient.y;
+    for (int n = 0; n < int(gradient.x); ++n) factor += clamp(share - gradient_part[n].x, 0.0, gradient_part[n].y) * gradient_part[n].z;
+    return gradient.x > 0.0 ? clamp(factor, 0.0, 1.0) : 1.0;
+}
+
 vec4 mean_light(Moments m, float slant) {
-    float cell = unit * m.tau * slant * parts_per_cell;
+    float factor = gradient_factor(m), cell = factor * unit * m.tau * slant * parts_per_cell;
     if (!(m.variance > max(1e-5, 25.0 * rounding))) {
         vec4 one = normal_light(clamp(m.mean, 0.0, 1.0), m.variance);
-        return seen(one, one, 0.5, cell);
+        return factor * seen(one, one, 0.5, cell);
     }
     float deviation = sqrt(m.variance);
     float u = clamp(m.third / (m.variance * deviation), -kMostSkewness, kMostSkewness) / (kShare * kShare * kShare);
     float root = sqrt(u * u + 4.0);
     vec2 means = clamp(m.mean + 0.5 * kShare * deviation * vec2(u + root, u - root), 0.0, 1.0), room = min(means, 1.0 - means);
     vec2 variance = min(vec2((1.0 - kShare * kShare) * m.variance), room * room);
-    return seen(normal_light(means.y, variance.y), normal_light(means.x, variance.x), 0.5 * (1.0 - u / root), cell);
+    return factor * seen(normal_light(means.y, variance.y), normal_light(means.x, variance.x), 0.5 * (1.0 - u / root), cell);
 }
 
 // LightLattice of render/device/light/light_lattice.h, where a slab or one of its parts is seen: seen_at of value_moments.h.
@@ -183,6 +192,7 @@ void add_slab(float slab, Moments own, Moments before, Moments behind, vec3 alon
     for (int k = 0; k < kSteps; ++k) {
         Moments m = steps[k];
         m.mean += own.mean - first / whole, m.tau *= own.tau / whole;
+        if (gradient.x > 0.0) m.gradient *= own.tau / whole;
         float of_slab = slab + (float(k) + 0.5) / float(kSteps) - 0.5;
         mean = mean_light(m, float(kSteps) * slant);
         composite(unit * shaded(mean, m.gradient, towards_eye, reached_in(of_slab, float(kSteps), unit * mean.a * m.tau * slant, along)), m.tau * slant);

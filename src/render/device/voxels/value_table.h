@@ -2,6 +2,7 @@
 // rays through voxels. by_value/value_pieces.h makes it.
 #pragma once
 
+#include "render/device/gradient_factor.h"
 #include "render/device/vector.h"
 
 namespace vog::device {
@@ -29,10 +30,18 @@ struct ValueTable {
     const uint32_t* first;  ///< [kValueBuckets]
     double lowest, buckets_per_value;
     double unit_distance, most_opacity;
+    GradientFactor gradient;
+    double steepest;  ///< magnitude of its last point
 
     /// value  finite
     VOG_HD LightOfValue light(double value) const;
     VOG_HD double extinction(double opacity) const;
+    /// Factor of the extinction by the magnitude of the field's gradient, per world unit.
+    VOG_HD double factor(double magnitude) const {
+        return gradient.any()
+                   ? static_cast<double>(gradient.at(static_cast<float>(magnitude / steepest)))
+                   : 1;
+    }
 };
 
 /// -log1p(-opacity) / unit_distance, which takes a quarter of a picture: to 1e-12 of it by a series and log.

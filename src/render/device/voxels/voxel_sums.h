@@ -56,9 +56,12 @@ VOG_HD LightOfValue light_at(const VoxelPicture& p, const VoxelVolume& v, const 
     const double value = value_at(p, v, at, towards);
     LightOfValue light = p.transfer.light(value);
     if (v.component[0]) light.extinction *= at.density;
-    if (!p.look.on || !(light.extinction > 0)) return light;
-    const Shading by =
-        p.look.shading(gradient_at(v, at, value), -1.0 * towards, {nullptr, towards, 0});
+    const bool by_gradient = p.transfer.gradient.any();
+    if (!(p.look.on || by_gradient) || !(light.extinction > 0)) return light;
+    const Double3 gradient = gradient_at(v, at, value);
+    if (by_gradient) light.extinction *= p.transfer.factor(sqrt(dot(gradient, gradient)));
+    if (!p.look.on) return light;
+    const Shading by = p.look.shading(gradient, -1.0 * towards, {nullptr, towards, 0});
     for (int n = 0; n < 3; ++n) light.color[n] = fmin(by.body * light.color[n] + by.shine, 1.0);
     return light;
 }

@@ -240,7 +240,7 @@ void GpuPictures::State::load_light(const ScalarField& field, const ValueTransfe
     light_of.reset();  // in case of an error
     made_light = LightOfMoments(transfer, value_range(field), field.is_measure, model.depth_unit);
     ++lights_made;
-    light = made_light.mean_light();
+    light = made_light.mean_light(0, model.unit);
     pieces = GpuArray(made_light.pieces(), "the transfer function");
     table = GpuArray(made_light.table(), "means of the transfer function");
     light.pieces.piece = pieces.data();
@@ -272,9 +272,9 @@ void GpuPictures::State::draw_slabs(const ScalarField& field, const ValueTransfe
     device::ChordPicture picture = begin(frame, look.clip);
     picture.slabs.count = slabs;
     picture.slabs.values = splat_values.data();
-    picture.slabs.channels = !by          ? device::kMaximumChannels
-                             : look.light ? device::kLitChannels
-                                          : device::kUnlitChannels;
+    picture.slabs.channels = !by                                   ? device::kMaximumChannels
+                             : look.light || !by->gradient.empty() ? device::kLitChannels
+                                                                   : device::kUnlitChannels;
     if (by) {
         picture.slabs.light = light;
         picture.slabs.lattice = load_reached(field, look, frame.forward);

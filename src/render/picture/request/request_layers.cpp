@@ -9,13 +9,14 @@ namespace vog::requests {
 namespace {
 
 /// Members of requests that a layer has, too.
-constexpr const char* kKeys[] = {"field", "tf",        "range",         "scale", "window",
-                                 "bands", "threshold", "unit_distance", "plane"};
+constexpr const char* kKeys[] = {"field",         "tf",    "range",     "scale",
+                                 "window",        "bands", "threshold", "gradient_opacity",
+                                 "unit_distance", "plane"};
 
 /// Those of a command line.
 constexpr const char* kWords =
     "a file first, then grid, field, tf, range, scale, window, band, iso, threshold, "
-    "unit-distance, plane, color or opacity, "
+    "gradient-opacity, unit-distance, plane, color or opacity, "
     "each with = and a value";
 
 bool is_key(const std::string& key) { return std::ranges::count(kKeys, key) > 0; }

@@ -110,6 +110,7 @@ Values pair(Get get, bool ascending, const char* expected) {
 // Members of other kinds (request_values.cpp).
 Values transfer_values();
 Values bands_values();
+Values gradient_values();
 Values background_values();
 Values weights_values();
 Values box_values();

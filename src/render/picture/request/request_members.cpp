@@ -173,6 +173,17 @@ std::vector<Entry> volume_entries() {
          bands_values()},
         {{"threshold", kVolume, "VALUE", "Show nothing below this value", "", {}, "volume"},
          open(VOG_MEMBER(transfer.threshold), kAny)},
+        {{"gradient_opacity",
+          kVolume,
+          "MAGNITUDE:FACTOR,...",
+          "Factor of the extinction, 0 to 1, by the magnitude of the field's gradient (its unit "
+          "per "
+          "world unit), linear between ascending magnitudes, as in 0:0,40:1: shows boundaries and "
+          "hides even matter",
+          "",
+          {},
+          "volume"},
+         gradient_values()},
         {{"unit_distance",
           kVolume,
           "LENGTH",

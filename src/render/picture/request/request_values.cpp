@@ -84,6 +84,35 @@ void set_bands(const std::string& key, const Json& value, std::vector<ValueBand>
     (void)band_transfer(bands, 1);  // throws for bands that overlap, and opacities beyond 1
 }
 
+Json gradient_json(const std::vector<GradientOpacity>& points) {
+    Json rows;
+    for (const auto& [magnitude, factor] : points) rows.push_back({magnitude, factor});
+    return rows;
+}
+/// Pairs of numbers, or words "40:1".
+void set_gradient(const std::string& key, const Json& value, std::vector<GradientOpacity>& points) {
+    const std::string expected =
+        "MAGNITUDE:FACTOR, at least two, of ascending magnitudes from 0 and factors from 0 to 1";
+    points.clear();
+    if (value.is_null()) return;
+    if (!value.is_array()) refuse(key, value, expected);
+    for (const Json& one : value) {
+        Json pair = one;
+        if (one.is_string()) {
+            const std::string text = one;
+            const std::size_t colon = std::min(text.find(':'), text.size() - 1);
+            pair = {words_value(text.substr(0, colon)), words_value(text.substr(colon + 1))};
+        }
+        const std::vector<double> two = row(key, pair, 2, expected);
+        points.push_back({two[0], two[1]});
+    }
+    try {
+        validate(points);
+    } catch (const Error&) {
+        refuse(key, value, expected);
+    }
+}
+
 Json color_json(const Rgba& c) {
     if (c == Rgba{0, 0, 0, 1}) return "black";
     if (c == Rgba{1, 1, 1, 1}) return "white";
@@ -236,6 +265,11 @@ Values transfer_values() {
 Values bands_values() {
     return {[](const Request& r) { return bands_json(r.transfer.bands); },
             [](auto& key, auto& value, Request& r) { set_bands(key, value, r.transfer.bands); }};
+}
+Values gradient_values() {
+    return {
+        [](const Request& r) { return gradient_json(r.transfer.gradient); },
+        [](auto& key, auto& value, Request& r) { set_gradient(key, value, r.transfer.gradient); }};
 }
 Values background_values() {
     return {

@@ -82,7 +82,7 @@ LitCells::LitCells(const CellRays& rays, const CellValues& values, const ValueTr
       values_(values),
       own_(&values == &rays.cells().density),
       light_(transfer, look, reached) {
-    if (light_.is_shaded())
+    if (light_.has_gradients())
         gradient_ = gradients(rays, values.at_points ? values : at_points(rays, values));
 }
 

@@ -46,7 +46,8 @@ class FieldLight {
         : pieces_(transfer), lighting_(look), lattice_(reached.lattice()), edge_(reached.edge()) {}
 
     const by_value::ValuePieces& pieces() const { return pieces_; }
-    bool is_shaded() const { return lighting_.on(); }
+    /// Whether light depends on the field's gradient.
+    bool has_gradients() const { return lighting_.on() || pieces_.has_gradient(); }
     /// weight    factor of the extinction
     /// gradient  returns that of the field, world
     template <class Gradient>
@@ -54,11 +55,13 @@ class FieldLight {
                    const Gradient& gradient) const {
         ValueLight light = pieces_(value);
         light.extinction *= weight;
+        if (!(light.extinction > 0)) return light;
+        const Vec3d slope = has_gradients() ? gradient() : Vec3d{};
+        if (pieces_.has_gradient()) light.extinction *= pieces_.factor(length(slope));
         if (!(light.extinction > 0) || !(lighting_.on() || lattice_.any())) return light;
         const device::ReachedLight reached = device::reached_at(
             lattice_, plain(ray.origin + t * ray.direction), plain(ray.towards_eye));
-        const auto [body, shine] =
-            lighting_(lighting_.on() ? gradient() : Vec3d{}, ray.towards_eye, reached);
+        const auto [body, shine] = lighting_(slope, ray.towards_eye, reached);
         for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
         return light;
     }

@@ -115,6 +115,22 @@ HWY_INLINE void table_at([[maybe_unused]] D8 d8, const float* upper, float right
     }
 }
 
+/// device::gradient_factor.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V gradient_factor(D d, const device::MeanLight& light, const MomentLanes<V>& m) {
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    const V* g = m.gradient;
+    const V steep = hn::Sqrt(hn::MulAdd(g[0], g[0], hn::MulAdd(g[1], g[1], hn::Mul(g[2], g[2]))));
+    const V share = hn::Div(hn::Mul(set(light.per_gradient), steep), hn::Max(m.tau, set(1e-30f)));
+    V factor = set(light.gradient.first);
+    for (int n = 0; n < light.gradient.parts; ++n) {
+        const V within = hn::Max(hn::Sub(share, set(light.gradient.start[n])), hn::Zero(d));
+        factor = hn::MulAdd(hn::Min(within, set(light.gradient.width[n])),
+                            set(light.gradient.slope[n]), factor);
+    }
+    return hn::Min(hn::Max(factor, hn::Zero(d)), set(1));
+}
+
 /// Light of pairs, per unit of tau; of lanes that do not count, 0. Pixel by pixel: a pixel's four channels lie side by
 /// side in the table, and gathers of them took four times as long.
 /// cell  tau of a cell of such matter
@@ -126,6 +142,12 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     const hn::RebindToSigned<D> di;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const PairLanes<V> pair = normal_pair(d, m);
+    V factor = set(1);
+    if (light.gradient.any()) {
+        factor = gradient_factor(d, light, m);
+        counts = hn::And(counts, hn::Gt(factor, hn::Zero(d)));
+        cell = hn::Mul(cell, factor);
+    }
     // Both of the pair within four deviations of values that have light.
     const auto reaches = [&](V gap, V variance) {
         return hn::Or(hn::Le(gap, hn::Zero(d)),
@@ -181,7 +203,8 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     LightLanes<V> all, high;
     hn::LoadInterleaved4(d, out[0], high.c[0], high.c[1], high.c[2], high.c[3]);
     hn::LoadInterleaved4(d, out[1], all.c[0], all.c[1], all.c[2], all.c[3]);
-    const V seen = seen_share(d, hn::Mul(cell, high.c[3]), hn::Mul(cell, all.c[3]), pair.of_high);
+    V seen = seen_share(d, hn::Mul(cell, high.c[3]), hn::Mul(cell, all.c[3]), pair.of_high);
+    if (light.gradient.any()) seen = hn::Mul(seen, factor);
     for (int c = 0; c < 4; ++c)
         all.c[c] = hn::Mul(hn::MulAdd(pair.of_high, hn::Sub(high.c[c], all.c[c]), all.c[c]), seen);
     return all;
@@ -260,9 +283,10 @@ HWY_INLINE NeighbourLanes<V> neighbour(D d, const SlabCell& cell, int slab, std:
 /// Moments of the steps of a slab: between the means of slabs weights, means and spreads are linear, and steps
 /// together have the slab's weight and mean.
 /// division  device::division_of
+/// by_tau    whether the length of gradients counts
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void divide_slab(D d, const MomentLanes<V>& own, const NeighbourLanes<V> (&beside)[2],
-                            V division, MomentLanes<V> (&steps)[kSurfaceSteps]) {
+                            V division, bool by_tau, MomentLanes<V> (&steps)[kSurfaceSteps]) {
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, 1e-30f);
     const V trend_share = hn::Mul(division, division);
     V whole = zero, first = zero;
@@ -287,6 +311,7 @@ HWY_INLINE void divide_slab(D d, const MomentLanes<V>& own, const NeighbourLanes
     for (MomentLanes<V>& m : steps) {
         m.tau = hn::Mul(m.tau, scale);
         m.mean = hn::Add(m.mean, shift);
+        for (int c = 0; c < 3 && by_tau; ++c) m.gradient[c] = hn::Mul(m.gradient[c], scale);
     }
 }
 
@@ -345,7 +370,8 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, CellView
             divides = hn::And(divides, hn::Gt(division, zero));
             if (!hn::AllFalse(d, divides)) {
                 MomentLanes<V> steps[kSurfaceSteps];
-                divide_slab(d, own, beside, hn::Max(division, zero), steps);
+                divide_slab(d, own, beside, hn::Max(division, zero), light.light.gradient.any(),
+                            steps);
                 SeenLanes<V> divided = before;
                 for (int k = 0; k < kSurfaceSteps; ++k) {
                     const MomentLanes<V>& step = steps[k];

@@ -194,8 +194,8 @@ bool SlabModel::begin(const LightOfMoments* light, const Camera& camera, int wid
     whole.drawn->unit = model.unit;
     whole.finish.reset();
     if (!light) return true;
-    whole.drawn->light =
-        &whole.finish.emplace(SlabLight{frame, light->mean_light(slabs), along_view(look, frame)});
+    whole.drawn->light = &whole.finish.emplace(
+        SlabLight{frame, light->mean_light(slabs, whole.view->length), along_view(look, frame)});
     // What lies behind so little light is less than the error of a pixel.
     whole.finish->dark = std::max(kDarkTransmittance, static_cast<float>(precision / 8));
     set_reached(*light, *whole.finish);
@@ -306,8 +306,9 @@ struct SlabRenderer::State {
 
 SlabRenderer::SlabRenderer(const Gaussians& gaussians, const std::string& field,
                            const ValueTransfer& transfer, const SlabOptions& options)
-    : state_(new State{SlabModel(gaussians, volume_field(gaussians, field), options,
-                                 options.look.light ? kLitChannels : kUnlitChannels)}) {
+    : state_(new State{SlabModel(
+          gaussians, volume_field(gaussians, field), options,
+          options.look.light || !transfer.gradient.empty() ? kLitChannels : kUnlitChannels)}) {
     set_transfer(transfer);
 }
 SlabRenderer::~SlabRenderer() = default;
@@ -317,6 +318,8 @@ SlabRenderer& SlabRenderer::operator=(SlabRenderer&&) noexcept = default;
 void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
     State& s = *state_;
     if (s.transfer == transfer) return;
+    if (s.transfer && transfer.gradient.empty() != s.transfer->gradient.empty())
+        throw Error("splat: gradient opacity where there was none takes another renderer");
     s.light =
         LightOfMoments(transfer, s.slabs.range, s.slabs.field->is_measure, s.slabs.model.unit);
     s.transfer = transfer;

@@ -46,6 +46,8 @@ function writeLights(lights) {
 /** Points [[value, share, ...], ...] in order of their values. */
 const arePoints = (all, count) => Array.isArray(all) && all.length > 0 &&
   all.every((p, n) => areNumbers(p, count) && areShares(p.slice(1)) && (n === 0 || p[0] >= all[n - 1][0]));
+/** Gradient opacity [[magnitude, factor], ...]: 2 to 8 points, ascending. */
+const isGradient = (all) => arePoints(all, 2) && all.length >= 2 && all.length <= 8 && all[0][0] >= 0 && all.every(([m], n) => n === 0 || m > all[n - 1][0]);
 const near = (a, b) => Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b));
 const samePoints = (a, b) => a.length === b.length && a.every((p, n) => p.every((v, k) => Math.abs(v - b[n][k]) < 1e-3));
 
@@ -110,8 +112,9 @@ function ofBands(bands, upper) {
 }
 
 /** Transfer function of a volume's field that a request states; null: the page's own. */
-function transferOf(page, request, now, wrong) {
+function transferOf(page, state, request, now, wrong) {
   const source = page.models[now.model].fields[now.field], unit = [request.unit_distance, request.tf?.unit_distance, source.unitDistance].find(isAbove);
+  const gradient = [request.gradient_opacity, request.tf?.gradient_opacity].find(isGradient), before = request.gradient_opacity !== undefined && state.transfers[now.field];
   let made = null;
   if (areNumbers(request.window, 2)) {
     const [low, high] = [-0.5, 0.5].map((side) => request.window[0] + side * request.window[1]);
@@ -123,10 +126,12 @@ function transferOf(page, request, now, wrong) {
     const { name, colors, opacity, domain } = request.tf;
     if (arePoints(colors, 4)) made = { name: nameOf(name), colors, opacity: arePoints(opacity, 2) ? opacity : [[domain[0], 0], [domain[1], 1]] };
     else wrong('tf', 'points in order');
-  } else if (areNumbers(request.range, 2) || request.unit_distance || request.scale) {
+  } else if (before) {
+    made = before;
+  } else if (areNumbers(request.range, 2) || request.unit_distance || request.scale || gradient) {
     const usual = automaticRange(comparable(page, now.model), now.field), [low, high] = request.range ?? [usual.low, usual.high];
     const log = request.scale === 'log' || (!request.range && request.scale !== 'linear' && usual.log);
-    if (near(low, usual.low) && near(high, usual.high) && log === usual.log && near(unit, usual.unit)) return null;
+    if (near(low, usual.low) && near(high, usual.high) && log === usual.log && near(unit, usual.unit) && !gradient) return null;
     const map = page.maps.find(({ name }) => name === now.map);
     if (low < high && (!log || low > 0)) made = overRange(now.reverse ? reversed(map) : map, low, high, 1, log);
   }
@@ -134,7 +139,7 @@ function transferOf(page, request, now, wrong) {
     const [, at] = walker(made.opacity)(request.threshold);
     made.opacity = [[request.threshold, 0], [request.threshold, at], ...made.opacity.filter(([v]) => v > request.threshold)];
   }
-  return made && { ...made, unit };
+  return made && { ...made, unit: made === before ? made.unit : unit, ...((gradient || made.gradient) && { gradient }) };
 }
 
 /**
@@ -209,6 +214,7 @@ export function partOfRequest(page, state, request, home) {
   take('window', 'centre and a width above 0', (window) => (areNumbers(window, 2) && window[1] > 0 ? {} : null), {});
   take('bands', 'rows', (bands) => (Array.isArray(bands) ? {} : null), {});
   take('threshold', 'a number', (value) => (Number.isFinite(value) ? {} : null), {});
+  take('gradient_opacity', 'pairs of ascending magnitudes and factors from 0 to 1', (points) => (isGradient(points) ? {} : null), {});
   take('unit_distance', 'a length above 0', (value) => (isAbove(value) ? {} : null), {});
   const { light } = part, view = part.camera ?? state.camera;
   // The light of the first view: it does not turn with the camera.
@@ -216,9 +222,9 @@ export function partOfRequest(page, state, request, home) {
   for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
 
   const stated = (...keys) => keys.some((key) => request[key] !== undefined);
-  if (volume && stated('tf', 'range', 'scale', 'window', 'bands', 'threshold', 'unit_distance')) {
+  if (volume && stated('tf', 'range', 'scale', 'window', 'bands', 'threshold', 'gradient_opacity', 'unit_distance')) {
     const now = { ...state, ...part, ...shownOf(model, { ...state, ...part }) }, { [now.field]: before, ...others } = state.transfers;
-    const transfer = transferOf(page, request, now, wrong);
+    const transfer = transferOf(page, state, request, now, wrong);
     // Another map is put under an edited function by the page (recolor).
     if (transfer) part.transfers = { ...others, [now.field]: transfer };
     else if (before && stated('range', 'unit_distance', 'window', 'bands')) part.transfers = others;
@@ -245,7 +251,7 @@ export function requestOf(page, state, { scale, size, background }) {
   if (edited) {
     const { name, unit, ...points } = edited, values = [...points.colors, ...points.opacity].map(([v]) => v);
     const [low, high] = [Math.min(...values), Math.max(...values)];
-    request.tf = { name, domain: [low, low < high ? high : low + 1], unit_distance: unit, colors: points.colors, opacity: points.opacity };
+    request.tf = { name, domain: [low, low < high ? high : low + 1], unit_distance: unit, colors: points.colors, opacity: points.opacity, ...(points.gradient && { gradient_opacity: points.gradient }) };
   } else if (show === 'T') {
     Object.assign(request, { extinction: model.extinction * state.exposure, blend: state.fade });
   } else {

@@ -5,6 +5,7 @@ import { axesOf } from '../camera.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats } from '../model/fields.js';
 import { extinctionIn } from './transfer.js';
+import { walker } from './colors.js';
 import { planesOf } from './clip.js';
 
 const cells = 64;                           // along the longest edge of the model's box
@@ -37,11 +38,12 @@ function meanExtinctions(mean, variance, third, cell, extinction) {
  * Of each cell the moments of its values, classified as those of a slab.
  * gaussians   {instances, data: of the field}
  * extinction  of extinctionIn
+ * factor      of extinction by the length of a gradient, ± the source's per unit of length; null: none
  */
-export function extinctionLattice({ box, center, unit, cutoff, limits, extinction: factor }, { instances, data }, extinction) {
+export function extinctionLattice({ box, center, unit, cutoff, limits, extinction: perDensity }, { instances, data }, extinction, factor = null) {
   const half = mul(1 / unit, box.half), middle = mul(1 / unit, sub(box.center, center)), edge = (2 * Math.max(...half)) / cells || 1;
   const size = half.map((h) => Math.ceil(((2 * h) / edge) * (1 - 1e-9)) + 2), first = middle.map((m, k) => m - 0.5 * edge * (size[k] - 1));
-  const sum = new Float32Array(size[0] * size[1] * size[2]), whole = new Float32Array(sum.length), moments = new Float64Array(4 * sum.length), reach = Math.min(cutoff, mostReach), lower = [0, 0, 0], upper = [0, 0, 0];
+  const sum = new Float32Array(size[0] * size[1] * size[2]), whole = new Float32Array(sum.length), stride = factor ? 7 : 4, moments = new Float64Array(stride * sum.length), reach = Math.min(cutoff, mostReach), lower = [0, 0, 0], upper = [0, 0, 0];
   let values = new Float32Array(4096);
   for (let i = 0, f = 0; i < instances.length; i += instanceFloats, f += scalarFloats) {
     const [sx, sy, sz, w, x, y, z] = instances.subarray(i + 4, i + instanceFloats), a = (sx / edge) ** 2, b = (sy / edge) ** 2, c = (sz / edge) ** 2;
@@ -67,30 +69,32 @@ export function extinctionLattice({ box, center, unit, cutoff, limits, extinctio
         for (let dx = lower[0] - mx; n < values.length && dx <= upper[0] - mx + 1e-3; ++dx) samples += values[n++] = Math.exp(-(dx * (fxx * dx + slope) + rest));
       }
     if (!(samples > 0)) continue;
-    const density = (limits[3] * instances[i + 3] * sx * sy * sz) / (factor * edge ** 3 * samples);
+    const density = (limits[3] * instances[i + 3] * sx * sy * sz) / (perDensity * edge ** 3 * samples);
     // Of the place within the Gaussian a cell knows the mean, and the plane spreads its values by the rest.
     const d = [(sx / edge) * data[f + 1], (sy / edge) * data[f + 2], (sz / edge) * data[f + 3]];
     const [ax, ay, az] = [0, 3, 6].map((k) => r[k] * d[0] + r[k + 1] * d[1] + r[k + 2] * d[2]);
     const tx = 2 * fxx * ax + fxy * ay + fxz * az, ty = fxy * ax + 2 * fyy * ay + fyz * az, tz = fxz * ax + fyz * ay + 2 * fzz * az;
     const spreading = Math.max(data[f + 1] ** 2 + data[f + 2] ** 2 + data[f + 3] ** 2 - ax * tx - ay * ty - az * tz, 0), variance = data[f + 4] ** 2 + spreading, third = data[f + 5] * data[f + 4] ** 3;
+    const gradient = [0, 3, 6].map((k) => r[k] * data[f + 1] / sx + r[k + 1] * data[f + 2] / sy + r[k + 2] * data[f + 3] / sz);
     n = 0;
     for (let k = lower[2]; k <= upper[2]; ++k)
       for (let j = lower[1]; j <= upper[1]; ++j) {
         let value = data[f] + (lower[0] - mx) * tx + (j - my) * ty + (k - mz) * tz;
-        for (let at = 4 * ((k * size[1] + j) * size[0] + lower[0]), end = at + 4 * (upper[0] - lower[0]); at <= end; at += 4, value += tx) {
+        for (let at = stride * ((k * size[1] + j) * size[0] + lower[0]), end = at + stride * (upper[0] - lower[0]); at <= end; at += stride, value += tx) {
           const part = density * values[n++], square = value * value;
           moments[at] += part;
           moments[at + 1] += part * value;
           moments[at + 2] += part * (square + variance);
           moments[at + 3] += part * (value * (square + 3 * variance) + third);
+          for (let c = 0; c < 3 && factor; ++c) moments[at + 4 + c] += part * gradient[c];
         }
       }
   }
-  for (let n = 0, m = 0; n < sum.length; ++n, m += 4) {
+  for (let n = 0, m = 0; n < sum.length; ++n, m += stride) {
     const tau = moments[m];
     if (!(tau > 0)) continue;
-    const mean = moments[m + 1] / tau, square = moments[m + 2] / tau;
-    [sum[n], whole[n]] = meanExtinctions(mean, Math.max(square - mean * mean, 0), moments[m + 3] / tau - mean * (3 * square - 2 * mean * mean), tau * depthCell * edge, extinction).map((value) => tau * value);
+    const mean = moments[m + 1] / tau, square = moments[m + 2] / tau, share = factor ? factor(Math.hypot(moments[m + 4], moments[m + 5], moments[m + 6]) / tau) : 1;
+    [sum[n], whole[n]] = meanExtinctions(mean, Math.max(square - mean * mean, 0), moments[m + 3] / tau - mean * (3 * square - 2 * mean * mean), share * tau * depthCell * edge, extinction).map((value) => share * tau * value);
   }
   return { sum, whole, size, first, edge };
 }
@@ -268,11 +272,12 @@ export class ReachedLight {
    * mean  of lightOf
    * what  as of Slabs.add
    */
-  update(model, mean, { whole, light, camera, transfer, clip, draft }) {
+  update(model, mean, { whole, light, camera, transfer, source, clip, draft }) {
     if (!whole || !(light.shadows || light.occlusion)) return null;
     const cuts = light.clipped ? clip : { box: null, planes: [] };
     const lattice = this.of('lattice', [model, whole.instances, whole.data, transfer, cuts.box, light.clipped && clip.planes], () => {
-      const made = extinctionLattice(model, whole, extinctionIn(mean));
+      const { gradient } = transfer, steep = gradient && ((slope) => walker(gradient)((slope * source.unit) / model.unit)[1]);
+      const made = extinctionLattice(model, whole, extinctionIn(mean), steep);
       cut(made, model, cuts);
       return made;
     });

@@ -18,8 +18,9 @@ const reachedUnit = 15;         // of textures
 const mostKept = 2 ** 29;       // bytes of kept sums: 32 slabs of a million pixels
 const finishShaders = ['erf.glsl', 'expected.glsl', 'finish.frag'], tableShaders = ['erf.glsl', 'expected.glsl', 'table.frag'];
 
-const wordOf = (light) => (light.on ? 'LIT' : 'SLABS');
-const passesOf = ({ light, slabs }) => Math.ceil(slabs / slabsOf[wordOf(light)]);
+const wordOf = ({ light, transfer }) => (light.on || transfer?.gradient ? 'LIT' : 'SLABS');
+const passesOf = (what) => Math.ceil(what.slabs / slabsOf[wordOf(what)]);
+const mostGradientParts = 7;  // of finish.frag
 
 export class Slabs {
   constructor(renderer) {
@@ -62,8 +63,8 @@ export class Slabs {
   }
 
   /** Largest share of a picture's pixels whose sums have room. */
-  shareKept({ light, slabs }, pixels) {
-    const bytes = (4 * this.renderer.format.bits * layers * slabs) / (8 * slabsOf[wordOf(light)]);
+  shareKept(what, pixels) {
+    const bytes = (4 * this.renderer.format.bits * layers * what.slabs) / (8 * slabsOf[wordOf(what)]);
     return Math.min(1, mostPixels / pixels, this.room / (bytes * pixels));
   }
 
@@ -225,7 +226,7 @@ export class Slabs {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.depthMask(false);
     if (what.transfer) {
-      const word = wordOf(what.light), finish = renderer.program('screen.vert', finishShaders, word);
+      const word = wordOf(what), finish = renderer.program('screen.vert', finishShaders, word);
       this.setFinish(finish, model, camera, what, first);
       const { table, pieces, ranges } = this, passes = passesOf(what), images = this.imagesOf(what);
       // No tau before the first and behind the last slab.
@@ -263,6 +264,11 @@ export class Slabs {
     used.setInteger('exact', light.exact ? 1 : 0);
     used.set('columns', ...light.columns);
     used.set('unit', light.most / model.extinction);
+    // GradientFactor: points as shares of the last one.
+    const points = what.transfer.gradient ?? [], [most] = points.at(-1) ?? [1];
+    const parts = points.slice(1).map(([to, high], n) => [points[n][0] / most, (to - points[n][0]) / most, ((high - points[n][1]) * most) / (to - points[n][0]), 0]);
+    used.set('gradient', parts.length, points[0]?.[1] ?? 1, (2 * what.source.unit) / (model.unit * most), 0);
+    if (parts.length > 0) used.setList('gradient_part[0]', parts.slice(0, mostGradientParts).flat());
     used.set('parts_per_cell', what.slabs / 32);
     used.set('rounding', 4e-7);
     used.set('central', renderer.format.bits === 32 ? 0 : 1);

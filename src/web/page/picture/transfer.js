@@ -1,5 +1,5 @@
 // transfer.js: transfer functions of values, {colors: [[value, r, g, b], ...], opacity: [[value, opacity], ...],
-// unit: unit distance}, and the light they give: as vog/value_transfer.h and render/by_value/light_of_moments.cpp.
+// unit: unit distance, gradient: [[magnitude, factor], ...] or none}, and the light they give: as vog/value_transfer.h and render/by_value/light_of_moments.cpp.
 import { walker } from './colors.js';
 
 const columns = 1024;     // of the table of finish.frag
@@ -133,5 +133,6 @@ export function transferJson(transfer) {
   if (!(domain[1] > domain[0])) domain[1] = domain[0] + 1;
   return JSON.stringify({
     name: transfer.name, domain, unit_distance: transfer.unit, colors: transfer.colors, opacity: transfer.opacity,
+    ...(transfer.gradient && { gradient_opacity: transfer.gradient }),
   }, null, 1);
 }

@@ -17,7 +17,7 @@ const own = {
   model: ['model', 1], exposure: ['exposure', 1], pixel_error: ['error', 1], memory: ['memory', 150], most: ['most', 2e6], subframes: ['subframes', 8],
   still: ['still', false],
 };
-const words = [...pictureWords, 'unit_distance', 'window', 'bands', 'threshold', 'light_weights', 'background', ...Object.keys(own)];
+const words = [...pictureWords, 'unit_distance', 'window', 'bands', 'threshold', 'gradient_opacity', 'light_weights', 'background', ...Object.keys(own)];
 const cameraWords = ['camera.eye', 'camera.look_at', 'camera.up', 'camera.fov_degrees', 'camera.orthographic_width'];
 const wordOf = (name) => name.replaceAll('-', '_');
 const nothing = () => ({ settings: {}, request: {}, problems: [] });

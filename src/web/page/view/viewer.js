@@ -102,7 +102,7 @@ export class Viewer {
   get isBrief() { return this.inMotion && this.isHalved; }
   get slabCount() {
     const { show, light } = this.state;
-    const count = this.page.slabs[show !== 'volume' ? 1 : light.on || light.shadows || light.occlusion ? 2 : 0];
+    const count = this.page.slabs[show !== 'volume' ? 1 : light.on || light.shadows || light.occlusion || this.transfer?.gradient ? 2 : 0];
     return this.isBrief ? Math.ceil(count / 2) : count;
   }
   /** What pictures are finished with after their slabs are drawn. */
@@ -150,7 +150,7 @@ export class Viewer {
   drawNow() {
     const { state, renderer, canvas } = this, there = this.source.now(this.busy);
     this.inMotion = Boolean(this.moving);
-    const kept = this.coarse && state.show === 'volume' && this.slabs?.shareKept({ light: state.light, slabs: this.slabCount }, canvas.width * canvas.height);
+    const kept = this.coarse && state.show === 'volume' && this.slabs?.shareKept({ light: state.light, transfer: this.transfer, slabs: this.slabCount }, canvas.width * canvas.height);
     const isHalf = this.isBrief && (inSlabs(state.show) || canvas.width * canvas.height >= manyPixels), share = Math.sqrt(kept || 1) * (isHalf ? 0.5 : 1);
     const size = [canvas.width, canvas.height].map((n) => Math.max(1, Math.floor(share * n))), now = sumsOf(state, there.key, size, this.slabCount);
     this.count = there.count;
