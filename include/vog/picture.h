@@ -157,6 +157,7 @@ struct TransferRequest {
     std::optional<double> threshold;          ///< nothing is shown below
     std::optional<double> unit_distance;      ///< world units
     std::vector<GradientOpacity> gradient{};  ///< ValueTransfer::gradient; none: that of the points
+    bool gradient_of_steepest = false;        ///< magnitudes are shares of steepest_gradient()
     bool may_be_empty = false;                ///< whether all values of the data may be transparent
 };
 /// Origin of a unit distance.

@@ -231,6 +231,25 @@ TEST(gradient_opacity, of_layers_adds_up_in_any_order) {
     EXPECT_LT(off_whole, 0.01);
 }
 
+TEST(gradient_opacity, of_percentages_is_that_of_the_steepest_gradient) {
+    const auto same = [](const vog::Scene& scene, const std::string& field) {
+        PictureRequest request;
+        request.show = Show::volume, request.width = request.height = 24;
+        const double steepest = steepest_gradient(scene, field);
+        ASSERT_GT(steepest, 0);
+        request.transfer.gradient = {{0.25 * steepest, 0}, {steepest, 1}};
+        const Picture stated = render(scene, request);
+        request.transfer.gradient = {{0.25, 0}, {1, 1}};
+        request.transfer.gradient_of_steepest = true;
+        const Picture shares = render(scene, request);
+        EXPECT_EQ(shares.opacity, stated.opacity);
+        EXPECT_EQ(request_json(shares.made.request), request_json(stated.made.request));
+    };
+    const Steep of;
+    same(scene_of(of.model), of.field.name);
+    same(scene_of(half_sloped()), "density");
+}
+
 TEST(gradient_opacity, is_kept_by_requests_and_files) {
     PictureRequest request;
     request.show = Show::volume;
@@ -238,6 +257,11 @@ TEST(gradient_opacity, is_kept_by_requests_and_files) {
     const std::vector<GradientOpacity> points{{0, 0}, {2.5, 0.5}, {40, 1}};
     EXPECT_EQ(request.transfer.gradient, points);
     EXPECT_EQ(request_of_json(request_json(request)).transfer.gradient, points);
+    set_member(request, "gradient_opacity", {"0%:0,12.5%:0.5,100%:1"});
+    const std::vector<GradientOpacity> shares{{0, 0}, {0.125, 0.5}, {1, 1}};
+    const PictureRequest again = request_of_json(request_json(request));
+    EXPECT_EQ(again.transfer.gradient, shares);
+    EXPECT_TRUE(again.transfer.gradient_of_steepest);
     const std::string file = ::testing::TempDir() + "gradient_opacity.json";
     write_value_transfer(file, white(points));
     EXPECT_EQ(transfer_points(file).points.gradient, points);
@@ -252,9 +276,9 @@ TEST(gradient_opacity, refuses_bad_points_in_one_line) {
         return refusal([&] { set_member(request, "gradient_opacity", {words}); });
     };
     const std::string expected = ": expected MAGNITUDE:FACTOR, at least two";
-    for (const char* bad :
-         {"0:0", "1:0,1:1", "2:0,1:1", "-1:0,1:1", "0:0,1:1.5", "0:0,1:-1", "0,1", "a:b,c:d",
-          "0:0,nan:1", ":,:", "0:0:0,1:1", "0:0,1:0,2:0,3:0,4:0,5:0,6:0,7:0,8:0"})
+    for (const char* bad : {"0:0", "1:0,1:1", "2:0,1:1", "-1:0,1:1", "0:0,1:1.5", "0:0,1:-1", "0,1",
+                            "a:b,c:d", "0:0,nan:1", "0:0,50%:1", "0%:0,%:1", ":,:", "0:0:0,1:1",
+                            "0:0,1:0,2:0,3:0,4:0,5:0,6:0,7:0,8:0"})
         EXPECT_NE(refused(bad).find(expected), std::string::npos) << bad << ": " << refused(bad);
     Volume flat = half_sloped();
     for (Leaf& leaf : flat.leaves)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "render/picture/request/request_effects.h"
 #include "render/picture/slice_plane.h"
@@ -103,6 +104,21 @@ std::string name_density(ResolvedPicture& picture, const Scene& scene) {
     return unit;
 }
 
+/// Magnitudes of gradients that are percentages, in the field's unit.
+void state_magnitudes(ResolvedPicture& picture, const Scene& scene) {
+    TransferRequest& transfer = picture.request.transfer;
+    if (!std::exchange(transfer.gradient_of_steepest, false)) return;
+    const bool several = scene.collective && scene.collective->several();
+    const double steepest = several ? 0 : steepest_gradient(scene, picture.field.field);
+    if (!(steepest > 0))
+        throw RequestError("gradient_opacity",
+                           several ? ": percentages take one process; state magnitudes"
+                           : scene.has_cells()
+                               ? ": percentages are of voxels and models; state magnitudes"
+                               : ": percentages of a field that has no gradient");
+    for (GradientOpacity& point : transfer.gradient) point.magnitude *= steepest;
+}
+
 /// Colour and opacity of a volume, and the request that states them.
 void choose_light(ResolvedPicture& picture, const Scene& scene) {
     TransferRequest& transfer = picture.request.transfer;
@@ -116,6 +132,7 @@ void choose_light(ResolvedPicture& picture, const Scene& scene) {
                            scene.has_cells()
                                ? ": cells cast no shadows under it; convert them to a model"
                                : ": voxels of several processes cast no shadows under it; use one");
+    state_magnitudes(picture, scene);
     const bool stated = transfer.window || !transfer.bands.empty();
     try {
         picture.chosen = choose_transfer(transfer, value_data(scene, picture.field.field));

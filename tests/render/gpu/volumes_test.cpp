@@ -218,6 +218,9 @@ TEST_F(gpu_volumes, by_value_are_the_references) {
     draw(std::span(both).first(1), {owns[0]}, of_density);
     draw(std::span(both).first(1), {fields[0]}, of_field);
     draw(both, fields, of_field);  // overlapping: extinctions add up
+    ValueTransfer by_gradient = of_field;
+    by_gradient.gradient = {{0, 0.1}, {2, 0.5}, {20, 1}};
+    draw(both, fields, by_gradient);
     // Opaque: rays end.
     draw(std::span(both).first(1), {owns[0]}, colors_of(0, 2, 1e-4 * unit));
     draw(both, owns, colors_of(0, 2, 1e-4 * unit));

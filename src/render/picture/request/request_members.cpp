@@ -177,9 +177,8 @@ std::vector<Entry> volume_entries() {
           kVolume,
           "MAGNITUDE:FACTOR,...",
           "Factor of the extinction, 0 to 1, by the magnitude of the field's gradient (its unit "
-          "per "
-          "world unit), linear between ascending magnitudes, as in 0:0,40:1: shows boundaries and "
-          "hides even matter",
+          "per world unit, or a percentage of the steepest), linear between ascending magnitudes, "
+          "as in 2%:0,12%:1: shows boundaries and hides even matter",
           "",
           {},
           "volume"},

@@ -1,4 +1,6 @@
 // request_values.cpp: members of requests that are no single number or word: colours, clips, bands.
+#include <fmt/core.h>
+
 #include <array>
 #include <charconv>
 
@@ -84,16 +86,21 @@ void set_bands(const std::string& key, const Json& value, std::vector<ValueBand>
     (void)band_transfer(bands, 1);  // throws for bands that overlap, and opacities beyond 1
 }
 
-Json gradient_json(const std::vector<GradientOpacity>& points) {
+Json gradient_json(const TransferRequest& transfer) {
     Json rows;
-    for (const auto& [magnitude, factor] : points) rows.push_back({magnitude, factor});
+    for (const auto& [magnitude, factor] : transfer.gradient)
+        rows.push_back({transfer.gradient_of_steepest ? Json(fmt::format("{}%", 100 * magnitude))
+                                                      : Json(magnitude),
+                        factor});
     return rows;
 }
-/// Pairs of numbers, or words "40:1".
-void set_gradient(const std::string& key, const Json& value, std::vector<GradientOpacity>& points) {
+/// Pairs of numbers, or words "40:1"; magnitudes may be percentages, "20%".
+void set_gradient(const std::string& key, const Json& value, TransferRequest& transfer) {
     const std::string expected =
-        "MAGNITUDE:FACTOR, at least two, of ascending magnitudes from 0 and factors from 0 to 1";
-    points.clear();
+        "MAGNITUDE:FACTOR, at least two, of ascending magnitudes from 0, all or none of them "
+        "percentages, and factors from 0 to 1";
+    std::vector<GradientOpacity>& points = transfer.gradient;
+    points.clear(), transfer.gradient_of_steepest = false;
     if (value.is_null()) return;
     if (!value.is_array()) refuse(key, value, expected);
     for (const Json& one : value) {
@@ -103,8 +110,17 @@ void set_gradient(const std::string& key, const Json& value, std::vector<Gradien
             const std::size_t colon = std::min(text.find(':'), text.size() - 1);
             pair = {words_value(text.substr(0, colon)), words_value(text.substr(colon + 1))};
         }
+        bool share = false;
+        if (pair.is_array() && !pair.empty() && pair[0].is_string()) {
+            std::string text = pair[0];
+            share = text.ends_with('%');
+            if (share) text.pop_back();
+            pair[0] = words_value(text);
+        }
         const std::vector<double> two = row(key, pair, 2, expected);
-        points.push_back({two[0], two[1]});
+        if (!points.empty() && share != transfer.gradient_of_steepest) refuse(key, value, expected);
+        transfer.gradient_of_steepest = share;
+        points.push_back({share ? two[0] / 100 : two[0], two[1]});
     }
     try {
         validate(points);
@@ -267,9 +283,8 @@ Values bands_values() {
             [](auto& key, auto& value, Request& r) { set_bands(key, value, r.transfer.bands); }};
 }
 Values gradient_values() {
-    return {
-        [](const Request& r) { return gradient_json(r.transfer.gradient); },
-        [](auto& key, auto& value, Request& r) { set_gradient(key, value, r.transfer.gradient); }};
+    return {[](const Request& r) { return gradient_json(r.transfer); },
+            [](auto& key, auto& value, Request& r) { set_gradient(key, value, r.transfer); }};
 }
 Values background_values() {
     return {
