@@ -40,7 +40,10 @@ def one_grid(source: str, matrix: Any, arrays: "Dict[str, Any]", units: "Dict[st
 
 def lattice(spacing: Any, origin: Any) -> Any:
     """Matrix of voxels along the axes, the first one centred on the origin."""
-    matrix = np.diag([*np.broadcast_to(np.asarray(spacing, float), 3), 1.0])
+    edges = np.asarray(spacing, float)
+    if edges.shape not in ((), (3,)) or not np.all(np.isfinite(edges) & (edges > 0)):
+        raise _vog.Error(f"edges of voxels {spacing}: expected a number or (x, y, z), finite and above 0; voxel_size= sets them")
+    matrix = np.diag([*np.broadcast_to(edges, 3), 1.0])
     matrix[:3, 3] = origin
     return matrix
 

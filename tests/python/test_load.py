@@ -50,6 +50,9 @@ def test_numpy(tmp_path):
         vog.load(tmp_path / "a.npz", level=1)
     np.save(tmp_path / "b.npy", density)
     np.testing.assert_allclose(vog.load(tmp_path / "b.npy").to_numpy(), density, rtol=1e-6)
+    for edges in (-1, 0, float("nan"), (1, -1, 1), (1, 2)):
+        with pytest.raises(vog.Error, match="edges of voxels .*: expected a number or .* finite and above 0"):
+            vog.load(tmp_path / "b.npy", voxel_size=edges)
     (tmp_path / "c.npy").write_bytes(b"\x93NUMPY\x01")
     with pytest.raises(vog.Error, match="c.npy: not an array of numbers"):
         vog.load(tmp_path / "c.npy")
