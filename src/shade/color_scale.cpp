@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "data/image_checks.h"
+#include "shade/annotation/ticks.h"
 #include "vog/error.h"
 #include "vog/quantity.h"
 
@@ -46,6 +47,20 @@ double round_step(double least) {
     for (const double step : {1.0, 2.0, 5.0})
         if (step * power >= least * (1 - 1e-12)) return step * power;
     return 10 * power;
+}
+
+std::string text_of(double value, int digits) {
+    if (value == 0) return "0";  // not -0
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    const std::size_t e = text.find('e');
+    if (e != std::string::npos) {
+        // 1e-07 as 1e-7, 1e+06 as 1e6
+        std::string exponent = text.substr(e + 1);
+        const bool negative = exponent.front() == '-';
+        exponent.erase(0, exponent.find_first_not_of("+-0"));
+        text = text.substr(0, e + 1) + (negative ? "-" : "") + exponent;
+    }
+    return text;
 }
 
 }  // namespace
@@ -172,18 +187,22 @@ std::string with_unit(const std::string& name, const std::string& unit) {
 }
 
 std::string tick_text(double value) {
-    if (value == 0) return "0";  // not -0
     // Six digits take away the rounding of multiples: 0.30000000000000004.
-    std::string text = fmt::format("{:.6g}", value);
-    const std::size_t e = text.find('e');
-    if (e != std::string::npos) {
-        // 1e-07 as 1e-7, 1e+06 as 1e6
-        std::string exponent = text.substr(e + 1);
-        const bool negative = exponent.front() == '-';
-        exponent.erase(0, exponent.find_first_not_of("+-0"));
-        text = text.substr(0, e + 1) + (negative ? "-" : "") + exponent;
+    return text_of(value, 6);
+}
+
+std::vector<shading::Tick> shading::ticks_of(const ColorScale& scale, double least_gap) {
+    const std::vector<double> values = scale_ticks(scale, least_gap);
+    std::vector<Tick> ticks;
+    for (std::size_t n = 0; n < values.size(); ++n) {
+        double gap = std::abs(values[n]);
+        if (n > 0) gap = std::min(gap, values[n] - values[n - 1]);
+        if (n + 1 < values.size()) gap = std::min(gap, values[n + 1] - values[n]);
+        const int digits =
+            gap > 0 ? static_cast<int>(std::ceil(std::log10(std::abs(values[n]) / gap))) + 1 : 6;
+        ticks.push_back({values[n], text_of(values[n], std::clamp(digits, 6, 15))});
     }
-    return text;
+    return ticks;
 }
 
 }  // namespace vog

@@ -58,6 +58,46 @@ TEST(picture_frame, a_scale_bar_has_its_length) {
     EXPECT_NEAR(longest, 300 / 7.0, 3);
 }
 
+/// Pixels that have more ink than the lines behind a box.
+long inked(const Image& image) {
+    return std::ranges::count_if(image.pixel, [](const Rgba& c) { return c.r > 0.95f; });
+}
+
+TEST(picture_frame, a_scale_bar_leaves_coordinates_alone) {
+    // The box begins at the left edge: the numbers of x lie where the bar would.
+    const Camera camera = along_z(12);
+    const Box box{{-0.6, -1, -1}, {9, 5, 1}};
+    Image both = black(240, 200), axes = both, bar = both;
+    draw_frame(both, {camera, box, "kpc", true, true});
+    draw_frame(axes, {camera, box, "kpc", true, false});
+    draw_frame(bar, {camera, box, "kpc", false, true});
+    EXPECT_EQ(inked(both), inked(axes) + inked(bar));
+    const auto lower_left = [](const Image& image) {
+        long ink = 0;
+        for (int y = 180; y < 200; ++y)
+            for (int x = 0; x < 50; ++x) ink += image.at(x, y).r > 0.95f;
+        return ink;
+    };
+    EXPECT_GT(lower_left(bar), 40);
+    EXPECT_EQ(lower_left(both), lower_left(axes));
+}
+
+TEST(picture_frame, numbers_and_names_are_whole) {
+    // Long numbers, and a name that has no room beside them at the left.
+    for (const double far : {0.0, 5.4e6})
+        for (const int size : {128, 256, 512, 1024}) {
+            Camera camera{{far + 26, far + 16, 33}, {far, far, 0}, {0, 1, 0}, 38};
+            Image image = black(size, size);
+            draw_frame(
+                image,
+                {camera, {{far - 6, far - 6, -6}, {far + 6, far + 6, 6}}, "Mpc", true, false});
+            for (int n = 0; n < size; ++n) {
+                EXPECT_EQ(image.at(0, n).r, 0) << "left, row " << n << " of " << size;
+                EXPECT_EQ(image.at(n, size - 1).r, 0) << "below, column " << n << " of " << size;
+            }
+        }
+}
+
 TEST(picture_frame, coordinates_are_those_of_orthographic_pictures_along_axes) {
     const auto sides = side_ticks(along_z(12), 240, 200, "kpc");
     ASSERT_TRUE(sides);

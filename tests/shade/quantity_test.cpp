@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "shade/annotation/bitmap_font.h"
+#include "shade/annotation/ticks.h"
 #include "support/command.h"
 #include "support/data.h"
 #include "support/refused_files.h"
@@ -181,6 +182,20 @@ TEST(quantity, ticks_keep_their_distance) {
                 EXPECT_GE(scale_position(scale, ticks[n]) - scale_position(scale, ticks[n - 1]),
                           gap * (1 - 1e-6));
         }
+}
+
+TEST(quantity, texts_of_ticks_differ_far_from_zero) {
+    const auto texts = [](const ColorScale& scale) {
+        std::vector<std::string> all;
+        for (const shading::Tick& tick : shading::ticks_of(scale, 0.3)) all.push_back(tick.text);
+        return all;
+    };
+    using Texts = std::vector<std::string>;
+    EXPECT_EQ(texts({Kind::linear, 5.4e6, 5400016}),
+              (Texts{"5400000", "5400005", "5400010", "5400015"}));
+    EXPECT_EQ(texts({Kind::linear, -1000.00002, -999.99999}),
+              (Texts{"-1000.00002", "-1000.00001", "-1000"}));
+    EXPECT_EQ(texts({Kind::log, 1, 1e12}), (Texts{"1", "10000", "1e8", "1e12"}));
 }
 
 TEST(quantity, a_colour_bar_shows_every_value_at_its_tick) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/splat/splat.h"
+#include "shade/annotation/ticks.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 #include "vog/text.h"
@@ -24,8 +25,16 @@ Box outline_of(const Subject& subject) {
 Subject with_axes(Subject subject) {
     const Box box = outline_of(subject);
     if (box.empty()) return subject;
-    constexpr double kRoom = 1.2;
-    const Vec3d half = (0.5 * kRoom) * (box.upper - box.lower);
+    std::size_t glyphs = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (box.lower[axis] < box.upper[axis])
+            for (const shading::Tick& tick : shading::ticks_of(
+                     {ColorScale::Kind::linear, box.lower[axis], box.upper[axis]}, 0.16))
+                glyphs = std::max(glyphs, tick.text.size());
+    // Text is 1/36 of the picture's height, a glyph 6/7 of that wide; a tick and its gaps are one and a half glyphs.
+    const double text = (static_cast<double>(glyphs) + 1.5) * 6 / 7 / 36;
+    const double room = std::clamp(1 / (1 - 2 * text), 1.2, 1.6);
+    const Vec3d half = (0.5 * room) * (box.upper - box.lower);
     subject.content.hull = Subject(Box{box.center() - half, box.center() + half}).content.hull;
     return subject;
 }

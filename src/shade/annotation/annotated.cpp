@@ -8,6 +8,7 @@
 
 #include "data/image_checks.h"
 #include "shade/annotation/bitmap_font.h"
+#include "shade/annotation/ticks.h"
 #include "vog/error.h"
 #include "vog/quantity.h"
 
@@ -55,10 +56,10 @@ std::vector<SideTick> ticks_along(const SideTicks::Side& side, int pixels, doubl
     std::vector<SideTick> ticks;
     const auto [low, high] = std::minmax(side.first, side.last);
     if (!(low < high)) return ticks;
-    for (const double tick : scale_ticks({ColorScale::Kind::linear, low, high}, gap))
-        ticks.push_back(
-            {static_cast<int>(std::lround((tick - side.first) / (side.last - side.first) * pixels)),
-             tick_text(tick)});
+    for (const auto& [value, text] : ticks_of({ColorScale::Kind::linear, low, high}, gap))
+        ticks.push_back({static_cast<int>(
+                             std::lround((value - side.first) / (side.last - side.first) * pixels)),
+                         text});
     return ticks;
 }
 std::vector<SideTick> ticks_up(const Layout& at, const SideTicks& sides, int height) {
@@ -90,8 +91,8 @@ Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation
     at.bar_left = at.right + 2 * at.gap;
     at.text_left = at.bar_left + at.bar_width + at.tick_length + at.gap / 2;
     int widest = 0;
-    for (const double tick : scale_ticks(scale, bar_gap(at)))
-        widest = std::max(widest, text_width(tick_text(tick), at.scale));
+    for (const Tick& tick : ticks_of(scale, bar_gap(at)))
+        widest = std::max(widest, text_width(tick.text, at.scale));
     at.label_left = at.text_left + widest + at.gap;
     at.right = at.label_left + (annotation.label.empty() ? 0 : at.scale * kGlyphHeight + at.gap);
     return at;
@@ -111,14 +112,15 @@ void draw_bar(const Layout& at, const TransferFunction& tf, const ColorScale& sc
         color.a = 1;
         fill(image, at.bar_left, at.top + y, at.bar_left + at.bar_width, at.top + y + 1, color);
     }
-    for (const double tick : scale_ticks(scale, bar_gap(at))) {
-        const int y = at.bottom - static_cast<int>(std::lround(scale_position(scale, tick) * rows));
+    for (const auto& [value, text] : ticks_of(scale, bar_gap(at))) {
+        const int y =
+            at.bottom - static_cast<int>(std::lround(scale_position(scale, value) * rows));
         const int line = y - at.scale / 2;
         fill(image, at.bar_left + at.bar_width, line, at.text_left - at.gap / 2, line + at.scale,
              ink);
         const int row =
             std::clamp(y - at.scale * kGlyphHeight / 2, 0, image.height - at.scale * kGlyphHeight);
-        draw_text(image, at.text_left, row, tick_text(tick), ink, {at.scale});
+        draw_text(image, at.text_left, row, text, ink, {at.scale});
     }
     if (label.empty()) return;
     const int label_scale = fitting_scale("label", label, at.scale, rows);
@@ -138,8 +140,16 @@ void draw_sides(const Layout& at, const SideTicks& sides, int width, int height,
         draw_text(image, left - at.tick_length - at.gap / 2 - text_width(tick.text, at.scale),
                   std::clamp(y - text / 2, 0, image.height - text), tick.text, ink, {at.scale});
     }
-    const double widest = 6.0 * kGlyphAdvance * at.scale;
-    for (const SideTick& tick : ticks_along(sides.across, width, std::min(0.5, widest / width))) {
+    std::vector<SideTick> across;
+    for (int glyphs = 6; glyphs < 17; ++glyphs) {
+        const double widest = double(glyphs) * kGlyphAdvance * at.scale;
+        across = ticks_along(sides.across, width, std::min(0.5, widest / width));
+        if (std::ranges::all_of(across, [&](const SideTick& tick) {
+                return tick.text.size() <= static_cast<std::size_t>(glyphs);
+            }))
+            break;
+    }
+    for (const SideTick& tick : across) {
         const int x = left + tick.place, wide = text_width(tick.text, at.scale);
         fill(image, x - at.scale / 2, bottom, x - at.scale / 2 + at.scale, bottom + at.tick_length,
              ink);
@@ -149,10 +159,10 @@ void draw_sides(const Layout& at, const SideTicks& sides, int width, int height,
     const auto size_of = [&](const std::string& name, int room) {
         return fitting_scale("unit of length", name, at.scale, room);
     };
-    const int across = size_of(sides.across.name, width), up = size_of(sides.up.name, height);
-    draw_text(image, left + (width - text_width(sides.across.name, across)) / 2,
+    const int level = size_of(sides.across.name, width), up = size_of(sides.up.name, height);
+    draw_text(image, left + (width - text_width(sides.across.name, level)) / 2,
               bottom + at.tick_length + at.gap / 2 + text + at.gap, sides.across.name, ink,
-              {across});
+              {level});
     draw_text(image, at.gap, bottom - (height - text_width(sides.up.name, up)) / 2, sides.up.name,
               ink, {up, true});
 }

@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "data/image_checks.h"
 #include "shade/annotation/bitmap_font.h"
+#include "shade/annotation/ticks.h"
 #include "vog/quantity.h"
 
 namespace vog {
@@ -36,16 +38,19 @@ class FrameDrawing {
           scale_(text_scale(image.height)) {}
 
     void draw_axes() {
-        for (int axis = 0; axis < 3; ++axis) {
-            std::optional<Edge> labelled;
+        std::optional<Edge> labelled[3];
+        for (int axis = 0; axis < 3; ++axis)
             for (int n = 0; n < 4; ++n) {
                 const Edge edge = edge_of(axis, n & 1, n >> 1);
                 draw_segment(edge.from, edge.to, edge.faces_seen == 0 ? 0.35f : 0.9f);
-                if (edge.faces_seen == 1 && (!labelled || edge.lower_than(*labelled)))
-                    labelled = edge;
+                if (edge.faces_seen == 1 && (!labelled[axis] || edge.lower_than(*labelled[axis])))
+                    labelled[axis] = edge;
             }
-            if (labelled) draw_ticks(axis, *labelled);
-        }
+        // Names find places among the numbers of all axes.
+        for (int axis = 0; axis < 3; ++axis)
+            if (labelled[axis] && !draw_ticks(axis, *labelled[axis])) labelled[axis].reset();
+        for (int axis = 0; axis < 3; ++axis)
+            if (labelled[axis]) draw_name(axis, *labelled[axis]);
     }
 
     void draw_scale_bar() {
@@ -55,10 +60,20 @@ class FrameDrawing {
         const double power = std::pow(10, std::floor(std::log10(most)));
         const double bar = power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
         const int gap = 6 * scale_, thick = 2 * scale_;
-        const double y = image_.height - gap - 0.5 * thick;
-        draw_line({double(gap), y}, {gap + bar * pixels, y}, thick, 1);
-        draw_text(image_, gap, static_cast<int>(y) - thick - (kGlyphHeight + 1) * scale_,
-                  with_unit(tick_text(bar), frame_.length_unit), ink_, {scale_});
+        const std::string text = with_unit(tick_text(bar), frame_.length_unit);
+        const double width = std::max(bar * pixels, double(text_width(text, scale_))),
+                     height = thick + (kGlyphHeight + 1) * scale_;
+        // Lower left, else the corner that the coordinates leave.
+        Place least{};
+        for (const int corner : {3, 2, 1, 0, 3}) {
+            least = {corner & 1 ? double(gap) : image_.width - gap - width,
+                     corner & 2 ? image_.height - gap - height : double(gap)};
+            if (is_free({least, least + Place{width, height}})) break;
+        }
+        const double y = least.y + height - 0.5 * thick;
+        draw_line({least.x, y}, {least.x + bar * pixels, y}, thick, 1);
+        draw_text(image_, static_cast<int>(least.x), static_cast<int>(least.y), text, ink_,
+                  {scale_});
     }
 
   private:
@@ -142,42 +157,91 @@ class FrameDrawing {
         pixel.a = all;
     }
 
-    void draw_ticks(int axis, const Edge& edge) {
-        const Place along = edge.end - edge.begin;
-        const double pixels = length(along);
-        if (!(pixels > 8 * kGlyphHeight * scale_) || depth_of(edge.from) <= 0 ||
-            depth_of(edge.to) <= 0)
-            return;
-        // Away from the middle of the box, across the edge.
-        Place out{-along.y / pixels, along.x / pixels};
-        if (dot(out, edge.middle() - place_of(frame_.box.center())) < 0) out = -1.0 * out;
-        const double low = edge.from[axis], high = edge.to[axis];
-        // Numbers of five glyphs, side by side or one below the other.
-        const double widest =
-            scale_ *
-            (std::abs(along.x) * 5 * kGlyphAdvance + std::abs(along.y) * 2 * kGlyphHeight) / pixels;
-        int most = 0;
-        for (const double tick :
-             scale_ticks({ColorScale::Kind::linear, low, high}, std::min(0.5, widest / pixels))) {
-            Vec3d point = edge.from;
-            point[axis] = tick;
-            const Place at = place_of(point), end = at + (3.0 * scale_) * out;
-            draw_line(at, end, 0.75 * scale_, 0.9f);
-            most = std::max(most, text_width(tick_text(tick), scale_));
-            draw_centered(tick_text(tick), end, out);
-        }
-        const double away =
-            std::abs(out.x) * most + std::abs(out.y) * (kGlyphHeight + 2) * scale_ + 5 * scale_;
-        draw_centered(with_unit(std::string(1, "xyz"[axis]), frame_.length_unit),
-                      edge.middle() + away * out, out);
+    /// A rectangle in the image.
+    struct Area {
+        Place least, most;
+    };
+    /// Whether an area lies in the image, a glyph's gap from all texts that are there.
+    bool is_free(const Area& area) const {
+        return area.least.x >= 0 && area.least.y >= 0 && area.most.x <= image_.width &&
+               area.most.y <= image_.height && std::ranges::none_of(texts_, [&](const Area& other) {
+                   return are_near(area, other);
+               });
     }
-    /// Text beside a point, on the side of `out`.
-    void draw_centered(const std::string& text, Place at, Place out) {
-        const double width = text_width(text, scale_), height = kGlyphHeight * scale_;
+    bool are_near(const Area& a, const Area& b) const {
+        const double gap = 3.0 * scale_;
+        return a.least.x < b.most.x + gap && b.least.x < a.most.x + gap &&
+               a.least.y < b.most.y + gap && b.least.y < a.most.y + gap;
+    }
+    /// Of a text beside a point, on the side of `out`.
+    Area area_of(const std::string& text, Place at, Place out) const {
+        const Place half{0.5 * text_width(text, scale_), 0.5 * kGlyphHeight * scale_};
         const Place middle =
-            at + (0.5 * (std::abs(out.x) * width + std::abs(out.y) * height) + 2.0 * scale_) * out;
-        draw_text(image_, static_cast<int>(std::lround(middle.x - 0.5 * width)),
-                  static_cast<int>(std::lround(middle.y - 0.5 * height)), text, ink_, {scale_});
+            at + (std::abs(out.x) * half.x + std::abs(out.y) * half.y + 2.0 * scale_) * out;
+        return {middle - half, middle + half};
+    }
+    /// Draws a text unless it would be cut, or lie upon another one.
+    bool draw_free(const std::string& text, const Area& area) {
+        if (!is_free(area)) return false;
+        draw_text(image_, static_cast<int>(std::lround(area.least.x)),
+                  static_cast<int>(std::lround(area.least.y)), text, ink_, {scale_});
+        texts_.push_back(area);
+        return true;
+    }
+
+    /// Direction away from the middle of the box, across an edge.
+    Place out_of(const Edge& edge) const {
+        const Place along = edge.end - edge.begin;
+        const Place out = (1 / length(along)) * Place{-along.y, along.x};
+        return (dot(out, edge.middle() - place_of(frame_.box.center())) < 0 ? -1.0 : 1.0) * out;
+    }
+    Place tick_end(const Edge& edge, int axis, double value) const {
+        Vec3d point = edge.from;
+        point[axis] = value;
+        return place_of(point) + (3.0 * scale_) * out_of(edge);
+    }
+
+    /// The most ticks whose numbers do not touch; false: the edge is too short for any.
+    bool draw_ticks(int axis, const Edge& edge) {
+        if (!(length(edge.end - edge.begin) > 4 * kGlyphHeight * scale_) ||
+            depth_of(edge.from) <= 0 || depth_of(edge.to) <= 0)
+            return false;
+        const Place out = out_of(edge);
+        std::vector<Tick> ticks;
+        std::vector<Area> areas;
+        for (const double gap : {0.16, 0.25, 0.35, 0.5}) {
+            ticks = ticks_of({ColorScale::Kind::linear, edge.from[axis], edge.to[axis]}, gap);
+            areas.clear();
+            bool touch = false;
+            for (const auto& [value, text] : ticks) {
+                areas.push_back(area_of(text, tick_end(edge, axis, value), out));
+                if (areas.size() > 1) touch = touch || are_near(areas.back(), areas.end()[-2]);
+            }
+            if (!touch) break;
+        }
+        for (std::size_t n = 0; n < ticks.size(); ++n) {
+            const Place end = tick_end(edge, axis, ticks[n].value);
+            draw_line(end - (3.0 * scale_) * out, end, 0.75 * scale_, 0.9f);
+            draw_free(ticks[n].text, areas[n]);
+        }
+        return true;
+    }
+    /// Beside the edge's middle, where numbers are beyond them; else among them, or beyond an end.
+    void draw_name(int axis, const Edge& edge) {
+        const std::string name = with_unit(std::string(1, "xyz"[axis]), frame_.length_unit);
+        const Place out = out_of(edge);
+        constexpr int kSteps = 16, kNear = 5, kFar = 60;
+        for (int step = 0; step <= kSteps; ++step) {
+            const double t = 0.5 + (step & 1 ? -1.0 : 1.0) * ((step + 1) / 2) / kSteps;
+            const Place at = edge.begin + t * (edge.end - edge.begin);
+            for (int away = kNear; away <= (step == 0 ? kFar : kNear); away += 2)
+                if (draw_free(name, area_of(name, at + double(away * scale_) * out, out))) return;
+        }
+        const Place along = (1 / length(edge.end - edge.begin)) * (edge.end - edge.begin);
+        const Area ends[] = {
+            area_of(name, edge.end + double(kNear * scale_) * along, along),
+            area_of(name, edge.begin - double(kNear * scale_) * along, -1.0 * along)};
+        if (!draw_free(name, ends[0])) draw_free(name, ends[1]);
     }
 
     Image& image_;
@@ -185,6 +249,7 @@ class FrameDrawing {
     CameraFrame rays_;
     Rgba ink_;
     int scale_;
+    std::vector<Area> texts_{};  ///< that are drawn
 };
 
 }  // namespace

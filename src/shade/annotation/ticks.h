@@ -1,0 +1,18 @@
+// ticks.h: Ticks of a scale with their texts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vog/quantity.h"
+
+namespace vog::shading {
+
+struct Tick {
+    double value;
+    std::string text;  ///< differs from those of the other ticks, however far they are from 0
+};
+/// scale_ticks with texts of six digits, or as many as the nearest other tick needs.
+std::vector<Tick> ticks_of(const ColorScale& scale, double least_gap);
+
+}  // namespace vog::shading
