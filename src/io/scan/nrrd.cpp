@@ -266,6 +266,9 @@ Affine map_by_spacings(const NrrdHead& head, const std::vector<std::int64_t>& si
 }
 
 Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes, const Vectors& directions) {
+    for (const char* key : {"axis mins", "axis maxs"})
+        if (head.fields.contains(key) && !head.fields.contains("space origin"))
+            head.fail(fmt::format("{} beside space directions, expected space origin", key));
     std::array<Vec3d, 3> axis;
     for (std::size_t n = 0; n < axes.space.size(); ++n)
         axis[n] = in_space(*directions[axes.space[n]]);
@@ -332,7 +335,7 @@ std::vector<std::string> nrrd_names(const NrrdHead& head, std::size_t dimension,
     if (!axes.other) return numbered_names("t", 1);
     const std::vector<std::string> kinds = words_of(lower_case(head.text("kinds")));
     const std::string kind = kinds.size() == dimension ? kinds[*axes.other] : "";
-    if (kind.find("color") != std::string::npos && count <= 4) return color_names(count);
+    if (kind.starts_with("rgb") && count <= 4) return color_names(count);
     const bool told = kind == "vector" || kind == "point" || kind.find("-") != kind.npos ||
                       kind.find("color") != kind.npos;
     const bool time = kind == "time" || kind == "list" || (!told && *axes.other > 0);
@@ -393,12 +396,16 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
         }
     }
     // Units of the axes, or of the world's.
-    const std::vector<std::string> quotes =
-        quoted(head.text(directions.empty() ? "units" : "space units"));
+    const bool by_axis = directions.empty() || !head.fields.contains("space units");
+    const std::vector<std::string> quotes = quoted(head.text(by_axis ? "units" : "space units"));
     std::vector<std::string> units;
     for (std::size_t n = 0; n < axes.space.size(); ++n)
-        if (const std::size_t from = directions.empty() ? axes.space[n] : n; from < quotes.size())
+        if (const std::size_t from = by_axis ? axes.space[n] : n; from < quotes.size())
             units.push_back(quotes[from]);
+    if (by_axis && !directions.empty() && !units.empty() &&
+        std::ranges::count(units, units[0]) != std::ssize(units))
+        head.fail(fmt::format("units '{}' beside space directions, expected space units",
+                              printable(head.text("units"), 40)));
     set_units(file, units, grid);
     ScanFile scan;
     scan.read = reader_of(array);

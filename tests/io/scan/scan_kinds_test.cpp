@@ -140,6 +140,15 @@ TEST(scan_kinds, nrrd) {
          voxels,
          "",
          "mm"},
+        {"one unit of all axes beside directions",
+         {{"a.nrrd", nrrd("space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\n"
+                          "units: \"um\" \"um\" \"um\"\n" +
+                          raw + "\n") +
+                         counted()}},
+         {"value"},
+         voxels,
+         "",
+         "um"},
         {"from the least place to the largest",
          {{"a.nrrd",
            nrrd("axis mins: 0 0 0\naxis maxs: 2 4 9\ncenters: node node node\n" + raw + "\n") +
@@ -153,6 +162,16 @@ TEST(scan_kinds, nrrd) {
                 "\n") +
                counted()}},
          "space origin without space directions"},
+        {{{"a.nrrd", nrrd("space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\n"
+                          "axis mins: 10 20 30\n" +
+                          raw + "\n") +
+                         counted()}},
+         "axis mins beside space directions, expected space origin"},
+        {{{"a.nrrd", nrrd("space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\n"
+                          "units: \"mm\" \"mm\" \"um\"\n" +
+                          raw + "\n") +
+                         counted()}},
+         "beside space directions, expected space units"},
         {{{"a.nrrd", nrrd("units: \"mm\" \"mm\" \"s\"\n" + raw + "\n") + counted()}},
          "axes in units 'mm, mm, s'"},
         {{{"a.nrrd",

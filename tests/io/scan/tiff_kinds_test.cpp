@@ -68,6 +68,8 @@ TEST(tiff_kinds, planes_lie_where_descriptions_say) {
          file(tiff_of(all(slices(1), slices(100)), 2, 3, ome(c2))),
          {"c0", "c1"}},
         {"places by TiffData", file(tiff_of(mixed, 2, 3, ome(c2, places))), {"c0", "c1"}},
+        {"some pages placed, in the order of dimensions",
+         file(tiff_of(slices(1), 2, 3, ome(z4, "<TiffData IFD='0' FirstZ='0'/>")))},
         {"a stack from the top down",
          file(tiff_of(slices(1), 2, 3,
                       "ImageJ=1.5\nimages=4\nslices=4\nunit=micron\nspacing=-0.5\n")),
@@ -123,6 +125,19 @@ TEST(tiff_kinds, planes_lie_where_descriptions_say) {
          {},
          "t1"},
     };
+    // The tag Orientation in place of the number of samples, which is 1 by default.
+    std::string turned = tiff_of(slices(1), 2, 3);
+    const auto entry = [](char tag, char value) {
+        return std::string{tag, 1, 3, 0, 1, 0, 0, 0, value, 0, 0, 0};
+    };
+    turned.replace(turned.find(entry(0x15, 1)), 12, entry(0x12, 4));
+    kinds.push_back({"rows from the bottom",
+                     file(turned),
+                     {"value"},
+                     {},
+                     "",
+                     "",
+                     "rows and columns as stored, without the tag Orientation 4"});
     // Units of OME's schema beside one metre.
     const std::vector<std::pair<std::string, double>> units{{"Ym", 1e24},
                                                             {"Zm", 1e21},
@@ -174,6 +189,8 @@ TEST(tiff_kinds, planes_lie_where_descriptions_say) {
         {file(tiff_of(slices(1), 2, 3, ome(z4 + edges("1", "pixel")))),
          "axes in units 'nm, nm, pixel'"},
         {file(tiff_of(slices(1), 2, 3, ome(z4) + ome(z4))), "OME describes 2 images"},
+        {file(tiff_of(slices(1), 2, 3, ome(z4, "<TiffData IFD='1' FirstZ='0' PlaneCount='3'/>"))),
+         "TiffData place 3 of 4 planes"},
         {file(tiff_of(slices(1), 2, 3, ome(c2))),
          "4 pages of 1 samples in 1 files for 4 slices, 2 channels"},
         {file(tiff_of(first, 2, 3, "{\"shape\": [40, 3, 2]}")),

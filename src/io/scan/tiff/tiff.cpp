@@ -241,7 +241,12 @@ TiffStack stack_of(const Tiff& tiff, const PageForm& form) {
     const double x = tags.x_resolution, y = tags.y_resolution;
     if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))
         tags.x_resolution = tags.y_resolution = 0;
-    return tiff_stack(tags);
+    TiffStack stack = tiff_stack(tags);
+    if (const auto turn = tiff.tag<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+        turn > ORIENTATION_TOPLEFT && turn <= ORIENTATION_LEFTBOT)
+        stack.note += fmt::format("{}rows and columns as stored, without the tag Orientation {}",
+                                  stack.note.empty() ? "" : "; ", turn);
+    return stack;
 }
 
 /// MetaMorph's files have all planes behind one page, by tags of their own.

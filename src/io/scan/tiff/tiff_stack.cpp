@@ -158,7 +158,16 @@ void set_places(const TiffTags& tags, TiffStack& stack) {
         for (std::uint64_t n = 0; n < count && page + n < plane_of.size(); ++n, ++placed)
             plane_of[page + n] = plane + n;
     }
-    if (data.empty() || placed != plane_of.size()) return;
+    if (data.empty()) return;
+    if (placed != plane_of.size()) {
+        // Pages without a place follow the order of dimensions, if those with one do.
+        for (std::size_t page = 0; page < plane_of.size(); ++page)
+            if (plane_of[page] != kNone && plane_of[page] != page)
+                fail(tags, fmt::format("OME's TiffData place {} of {} planes, in another order "
+                                       "than DimensionOrder, expected all",
+                                       placed, plane_of.size()));
+        return;
+    }
     std::vector<bool> found(plane_of.size(), false);
     for (const std::size_t plane : plane_of)
         if (plane >= found.size() || found[plane])
@@ -296,7 +305,12 @@ TiffStack tiff_stack(const TiffTags& tags) {
     }
     set_shaped(tags, stack);
     const double x = tags.x_resolution, y = tags.y_resolution;
-    if (x <= 0 || tags.resolution_unit < 2) return stack;
+    if (x <= 0) return stack;
+    if (tags.resolution_unit < 2) {
+        stack.edge.y = x / y;  // the shape of pixels, without their size
+        if (x != y) stack.source = "rows down, pages along z; pixels 1 wide, by the resolution";
+        return stack;
+    }
     // 72 and 96 pixels an inch are the defaults of programs, which measured nothing.
     if (tags.resolution_unit == 2 && x == y && (x == 72 || x == 96)) return stack;
     const double millimetres = tags.resolution_unit == 2 ? 25.4 : 10;
