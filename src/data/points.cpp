@@ -55,6 +55,10 @@ void append(Points& points, const Points& other) {
         points = other;
         return;
     }
+    if (!points.length_unit.empty() && !other.length_unit.empty() &&
+        points.length_unit != other.length_unit)
+        throw Error(fmt::format("{}: positions in '{}', expected '{}' as in {}", where(other),
+                                other.length_unit, points.length_unit, where(points)));
     if (points.box.empty()) points.box = other.box;
     const auto keep_equal = [](std::string& own, const std::string& more) {
         if (own != more) own.clear();

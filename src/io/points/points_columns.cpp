@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 #include "io/file_extension.h"
@@ -13,6 +14,7 @@
 #include "io/points/text_fields.h"
 #include "vog/error.h"
 #include "vog/text.h"
+#include "vog/units.h"
 
 namespace vog::point_files {
 
@@ -78,7 +80,7 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
     if (!head.misfit.empty())
         throw Error(
             fmt::format("{} above lines of {} columns, expected one name each, or "
-                        "--columns with the numbers of three columns",
+                        "the numbers of three columns (--columns)",
                         head.misfit, head.columns()));
     if (!head.names.empty()) {
         columns = position_columns(head.names);
@@ -106,6 +108,33 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
     return columns;
 }
 
+/// Unit in brackets behind a name: "kpc" of "X [kpc]"; empty: none.
+std::string unit_in(const std::string& name) {
+    const std::size_t open = name.find_first_of("[("), close = name.find_last_of("])");
+    if (open == name.npos || close == name.npos || close < open) return {};
+    return std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)));
+}
+
+/// Sets the unit of positions from the names of their columns. Columns of other lengths are converted to the first one's.
+void set_unit(const PointHead& head, const std::vector<std::size_t>& vectors,
+              PointColumns& columns) {
+    std::array<std::string, 3> unit;
+    for (std::size_t n = 0; n < 3 && !head.names.empty(); ++n)
+        unit[n] = unit_in(head.names[vectors[n]]);
+    // Other words in brackets are no units.
+    if (std::ranges::none_of(unit, [](const auto& u) { return length_unit(u); })) return;
+    for (std::size_t n = 0; n < 3; ++n) {
+        const std::optional<double> factor = unit_factor(unit[n], unit[0]);
+        if (!factor)
+            throw Error(
+                fmt::format("columns of positions in units '{}', expected one unit, or units of "
+                            "length",
+                            fmt::join(unit, ", ")));
+        columns.factor[n] = *factor;
+    }
+    columns.length_unit = unit[0];
+}
+
 /// Roles of the columns. Columns of text are allowed, and skipped, below a header or in chemistry's format.
 void set_roles(const PointHead& head, const PointReadOptions& options, bool scan,
                PointColumns& columns) {
@@ -117,6 +146,7 @@ void set_roles(const PointHead& head, const PointReadOptions& options, bool scan
         columns.role[vectors[n]] = static_cast<int>(n);
     }
     columns.has_velocity = vectors.size() == 6;
+    set_unit(head, vectors, columns);
     const bool may_be_text = !head.names.empty() || head.count;
     for (std::size_t n = 0; n < columns.role.size(); ++n) {
         if (columns.role[n] != kSkipped) continue;

@@ -1,6 +1,7 @@
 // points_columns.h: roles of the columns of a particle text file.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,10 +20,12 @@ struct PointColumns {
     char separator = 0;     ///< 0: blanks
     std::vector<int> role;  ///< [columns]
     bool has_velocity = false;
-    std::vector<std::string> attributes;  ///< names
-    std::uint64_t first_line = 0;         ///< number of the first particle's line, from 0
-    std::optional<std::uint64_t> count;   ///< number of particles that the file states
-    std::uint64_t count_line = 0;         ///< number of its line, from 0
+    std::string length_unit{};              ///< of positions; empty: not known
+    std::array<double, 3> factor{1, 1, 1};  ///< on numbers of each axis
+    std::vector<std::string> attributes;    ///< names
+    std::uint64_t first_line = 0;           ///< number of the first particle's line, from 0
+    std::optional<std::uint64_t> count;     ///< number of particles that the file states
+    std::uint64_t count_line = 0;           ///< number of its line, from 0
     bool may_be_title = false;  ///< the first particle's line may be a title: `count` decides
     std::string note{};         ///< columns that their places name; empty: none
 };

@@ -50,8 +50,8 @@ std::vector<std::size_t> named_three(const Names& names,
             if (found.size() < 3) continue;
             if (repeated.empty()) return found;
             throw Error(
-                fmt::format("two columns called '{}', expected one, or --columns with "
-                            "the numbers of three",
+                fmt::format("two columns called '{}', expected one, or the numbers of "
+                            "three columns (--columns)",
                             repeated));
         }
     return {};
@@ -256,6 +256,19 @@ class HeadReader {
             head_.rows.push_back(std::move(row));
         }
     }
+    /// Fields of a header. It may have another separator than the particles, and a word before: "columns: x, y, z".
+    Fields header_fields(std::string_view line) const {
+        for (const char separator : {head_.separator, ',', ';', '\t', '\0'}) {
+            Fields fields = split_fields(line, separator);
+            if (fields.empty()) continue;
+            std::string_view& first = fields.front();
+            if (const std::size_t colon = first.rfind(": "); colon != first.npos)
+                first = trimmed(first.substr(colon + 2));
+            if (fields.size() > 1 && first.ends_with(':')) fields.erase(fields.begin());
+            if (names_position(fields)) return fields;
+        }
+        return split_fields(line, head_.separator);
+    }
     /// Chooses the line that names the columns: one with x, y and z first, of headers the first, of comments the last.
     template <class Take>
     void name_columns(const Take& take, std::size_t columns) {
@@ -271,10 +284,7 @@ class HeadReader {
         for (const bool with_position : {true, false}) {
             if (!head_.misfit.empty()) return;
             for (const std::string_view line : lines) {
-                Fields fields = split_fields(line, head_.separator);
-                // "columns: x y z"
-                if (fields.size() > 1 && fields.front().ends_with(':'))
-                    fields.erase(fields.begin());
+                const Fields fields = header_fields(line);
                 if (names_position(fields) != with_position) continue;
                 if (!with_position && std::ranges::any_of(fields, is_number)) continue;
                 if (take(fields)) {

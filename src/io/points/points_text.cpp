@@ -167,7 +167,7 @@ class ChunkReader {
     std::string fault(std::string_view line) const;
     void put(int role, std::uint64_t n, double value, Chunk& chunk) const {
         if (role < kFirstVelocity) {
-            points_.position[n][role] = value;
+            points_.position[n][role] = value * columns_.factor[static_cast<std::size_t>(role)];
         } else if (role < kFirstAttribute) {
             points_.velocity[n][role - kFirstVelocity] = float_of(value);
         } else {
@@ -326,6 +326,7 @@ class TextReader {
     Points read_particles(const PointColumns& columns) {
         Points points;
         points.source = printable(path_.string());
+        points.length_unit = columns.length_unit;
         for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
         const std::uint64_t lines = chunks_.back().first_line + chunks_.back().line_count;
         resize(points, lines - columns.first_line, columns);

@@ -48,22 +48,24 @@ inline std::string_view take_line(std::string_view& text) {
 /// line       must not start with a blank if separator is 0
 /// separator  0: fields between runs of blanks; else fields may be empty or quoted
 inline std::string_view take_field(std::string_view& line, char separator) {
+    const auto unquoted = [](std::string_view field) {
+        const bool quoted = field.size() >= 2 && field.front() == '"' && field.back() == '"';
+        return quoted ? field.substr(1, field.size() - 2) : field;
+    };
     std::size_t end = 0;
     if (separator == 0) {
         while (end < line.size() && !is_blank(line[end])) ++end;
         const std::string_view field = line.substr(0, end);
         while (end < line.size() && is_blank(line[end])) ++end;
         line.remove_prefix(end);
-        return field;
+        return unquoted(field);
     }
     bool quoted = false;
     for (; end < line.size() && (quoted || line[end] != separator); ++end)
         if (line[end] == '"') quoted = !quoted;
-    std::string_view field = trimmed(line.substr(0, end));
+    const std::string_view field = trimmed(line.substr(0, end));
     line.remove_prefix(std::min(end + 1, line.size()));
-    if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-        field = field.substr(1, field.size() - 2);
-    return field;
+    return unquoted(field);
 }
 
 inline std::vector<std::string_view> split_fields(std::string_view line, char separator) {

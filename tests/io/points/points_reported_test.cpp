@@ -39,6 +39,16 @@ const std::vector<Case> kCases{
     {"short.txt", "mass x y z\n9 1 2 3 8\n", {}, "a header of 4 names above lines of 5 columns"},
     {"short.xyz", "# mass x y z\n9 1 2 3 8\n", {}, "a header of 4 names above lines of 5 columns"},
     {"units.csv", "m,X [kpc],Y [kpc],Z (kpc)\n9,1,2,3\n9,4,5,6\n", kTwo},
+    {"mixed_units.csv", "X [mm],Y [mm],Z [cm]\n1,2,0.3\n4,5,0.6\n", kTwo},
+    {"no_length.csv", "x [kpc],y [kpc],z [s]\n1,2,3\n", {}, "in units 'kpc, kpc, s'"},
+    {"words.csv", "x (east),y (north),z (up)\n1,2,3\n4,5,6\n", kTwo},
+    // Headers with another separator than the particles.
+    {"savetxt.txt", "# m, x, y, z\n9 1 2 3\n9 4 5 6\n", kTwo, "", {"m"}},
+    {"commas_above.txt", "m,x,y,z\n9 1 2 3\n9 4 5 6\n", kTwo, "", {"m"}},
+    {"blanks_above.csv", "# m x y z\n9,1,2,3\n9,4,5,6\n", kTwo, "", {"m"}},
+    {"semicolons_above.csv", "m;x;y;z\n9,1,2,3\n9,4,5,6\n", kTwo, "", {"m"}},
+    {"word_above.txt", "# columns: z, y, x\n3 2 1\n6 5 4\n", kTwo},
+    {"quoted.txt", "\"m\" \"x\" \"y\" \"z\"\n9 1 2 3\n9 4 5 6\n", kTwo, "", {"m"}},
     {"first_values.txt", "0 1 2\n4 5 6\n", {{0, 1, 2}, {4, 5, 6}}},
     {"prose.xyz", "# columns: x y z\n1 2 3\n4 5 6\n", kTwo},
     // Chemistry: atomic numbers, titles, columns of extended XYZ.
@@ -203,6 +213,16 @@ TEST(points_reported, numbers_beyond_floats_have_a_unit) {
 }
 
 /// 20,000 lines took 13.5 s: every line was sought to the end of the file.
+TEST(points_reported, positions_have_the_unit_of_their_columns) {
+    const TempDir dir;
+    write_bytes(dir / "a.csv", "X [kpc],Y [kpc],Z [kpc]\n1,2,3\n");
+    write_bytes(dir / "b.csv", "X [Mpc],Y [Mpc],Z [Mpc]\n1,2,3\n");
+    EXPECT_EQ(read_points(dir / "a.csv").length_unit, "kpc");
+    const std::vector<std::filesystem::path> files{dir / "a.csv", dir / "b.csv"};
+    EXPECT_NE(refusal([&] { read_points(files); }).find("in 'Mpc', expected 'kpc'"),
+              std::string::npos);
+}
+
 TEST(points_reported, time_is_linear_for_every_end_of_line) {
     const TempDir dir;
     const auto seconds = [&](const char* name, const char* end) {
