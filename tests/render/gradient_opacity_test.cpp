@@ -234,7 +234,7 @@ TEST(gradient_opacity, of_layers_adds_up_in_any_order) {
 TEST(gradient_opacity, of_percentages_is_that_of_the_steepest_gradient) {
     const auto same = [](const vog::Scene& scene, const std::string& field) {
         PictureRequest request;
-        request.show = Show::volume, request.width = request.height = 24;
+        request.show = Show::volume, request.field = field, request.width = request.height = 24;
         const double steepest = steepest_gradient(scene, field);
         ASSERT_GT(steepest, 0);
         request.transfer.gradient = {{0.25 * steepest, 0}, {steepest, 1}};
