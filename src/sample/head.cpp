@@ -112,6 +112,7 @@ Volume sample_head(const SampleOptions& options) {
         throw Error(fmt::format("sample head: size {}, expected 64 to 1024 voxels", options.size));
     Volume volume;
     volume.name = "ct";
+    volume.standing.up = {0, 0, 1};
     volume.source = "sample head";
     const double voxel = kCube / options.size, first = 0.5 * voxel - 0.5 * kCube;
     volume.world_from_index = {{{Vec3d{voxel, 0, 0}, Vec3d{0, voxel, 0}, Vec3d{0, 0, voxel}}},

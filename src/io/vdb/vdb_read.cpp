@@ -128,7 +128,7 @@ Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog,
         volume.name = entry.plain_name;
         volume.source = printable(file.name());
         const VdbMetadata metadata = leaves ? leaves->metadata() : VdbMetadata{};
-        if (file.z_up() || metadata.z_up) volume.standing.up = {0, 0, 1};
+        volume.standing = metadata.standing.known() ? metadata.standing : file.standing();
         // Of ones the unit of the values is none.
         volume.units = {metadata.length_unit, options.ones ? "" : metadata.unit};
         if (returned_notes) *returned_notes = found;

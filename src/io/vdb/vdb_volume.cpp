@@ -232,10 +232,12 @@ openvdb::Index vdb::tile_level(std::int32_t edge) {
     return static_cast<openvdb::Index>(std::ranges::find(kTileEdge, edge) - kTileEdge.begin());
 }
 
-void vdb::set_units(openvdb::GridBase& grid, const Units& units) {
+void vdb::set_metadata(openvdb::GridBase& grid, const Units& units, const Standing& standing) {
     if (!units.density.empty()) grid.insertMeta("unit", openvdb::StringMetadata(units.density));
     if (!units.length.empty())
         grid.insertMeta("length_unit", openvdb::StringMetadata(units.length));
+    for (const auto& [name, to] : {std::pair{"up", standing.up}, {"front", standing.front}})
+        if (to != Vec3d{}) grid.insertMeta(name, openvdb::Vec3DMetadata({to.x, to.y, to.z}));
 }
 
 openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
@@ -246,7 +248,7 @@ openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
         openvdb::GridBase::createGrid(FloatGrid::gridType()));  // background 0
     grid->setName(volume.name.empty() ? "density" : volume.name);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-    set_units(*grid, volume.units);
+    set_metadata(*grid, volume.units, volume.standing);
 
     set_transform(*grid, volume.world_from_index, volume.source.empty() ? "volume" : volume.source);
     for (const Tile& tile : volume.tiles) {

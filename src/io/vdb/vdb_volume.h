@@ -33,8 +33,8 @@ void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
 
 /// Level of OpenVDB's tree that holds tiles of this edge.
 openvdb::Index tile_level(std::int32_t edge);
-/// Sets the metadata `unit` and `length_unit`, of texts that are not empty.
-void set_units(openvdb::GridBase& grid, const Units& units);
+/// Sets the metadata `unit`, `length_unit`, `up` and `front` that are known.
+void set_metadata(openvdb::GridBase& grid, const Units& units, const Standing& standing);
 
 /// A grid, and what writes the values of its leaves behind the topology; empty: the grid's own.
 struct GridToWrite {

@@ -123,7 +123,8 @@ auto make_grid(const Volume& volume, std::span<const VoxelField> fields, std::si
 void describe(openvdb::GridBase& grid, const Volume& volume, std::span<const VoxelField> fields,
               std::size_t n) {
     if (n == 0) grid.setGridClass(openvdb::GRID_FOG_VOLUME);
-    set_units(grid, {volume.units.length, n == 0 ? volume.units.density : fields[n - 1].unit});
+    set_metadata(grid, {volume.units.length, n == 0 ? volume.units.density : fields[n - 1].unit},
+                 volume.standing);
 }
 
 /// throws vog::Error unless fields fit the volume

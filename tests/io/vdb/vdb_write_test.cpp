@@ -147,5 +147,16 @@ TEST(vdb_write, several_volumes_are_several_grids_of_one_file) {
     EXPECT_FALSE(std::filesystem::exists(dir / "twice.vdb"));
 }
 
+TEST(vdb_write, volumes_stand_as_they_stood) {
+    const TempDir dir;
+    Volume volume = sample_volume();
+    for (const Standing& standing :
+         {Standing{}, Standing{{0, 0, 1}, {}}, Standing{{0.6, 0, 0.8}, {0, -1, 0}}}) {
+        volume.standing = standing;
+        write_vdb(dir / "volume.vdb", volume);
+        EXPECT_EQ(read_vdb(dir / "volume.vdb").standing, standing);
+    }
+}
+
 }  // namespace
 }  // namespace vog

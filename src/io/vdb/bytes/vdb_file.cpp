@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <string_view>
 #include <utility>
 
@@ -49,7 +51,7 @@ void VdbFile::read_header() {
                         "expected a file as openvdb::io::File writes it",
                         name_));
     file_.take(kUuidBytes);
-    z_up_ = read_vdb_metadata(file_).z_up;
+    standing_ = read_vdb_metadata(file_).standing;
 }
 
 void VdbFile::read_entry() {
@@ -111,7 +113,14 @@ VdbMetadata read_vdb_metadata(ByteSource& in) {
         // Blender names itself; Mantaflow states its resolution, writers of adaptive meshes the level.
         if ((name == "creator" && value.starts_with("Blender")) || name == "file_base_resolution" ||
             name == "amr_level")
-            metadata.z_up = true;
+            metadata.standing.up = {0, 0, 1};
+        for (const auto& [key, direction] :
+             {std::pair{"up", &metadata.standing.up}, {"front", &metadata.standing.front}})
+            if (name == key && type == "vec3d" && value.size() == sizeof(Vec3d)) {
+                Vec3d stated;
+                std::memcpy(&stated, value.data(), sizeof(Vec3d));
+                if (std::abs(length(stated) - 1) < 1e-6) *direction = stated;
+            }
         if (type == "bool" && name == "is_local_space")
             metadata.local_space = !value.empty() && value.front() != 0;
     }

@@ -12,6 +12,7 @@
 
 #include "io/byte_source.h"
 #include "vog/linear.h"
+#include "vog/subject.h"
 
 namespace vog::vdb {
 
@@ -28,11 +29,11 @@ struct VdbEntry {
 
 /// Metadata of a grid, as far as readers use it; empty where a grid has none.
 struct VdbMetadata {
-    std::string grid_class;    ///< "fog volume", "level set", ...
-    std::string vector_type;   ///< of vectors: "invariant", "contravariant relative", ...
-    std::string unit;          ///< text "unit" or "units"
-    std::string length_unit;   ///< of world lengths, as write_vdb states it
-    bool z_up = false;         ///< written by Blender, Mantaflow, or as a level of a mesh
+    std::string grid_class;   ///< "fog volume", "level set", ...
+    std::string vector_type;  ///< of vectors: "invariant", "contravariant relative", ...
+    std::string unit;         ///< text "unit" or "units"
+    std::string length_unit;  ///< of world lengths, as write_vdb states it
+    Standing standing;  ///< as write_vdb states it; z up of Blender, Mantaflow, levels of a mesh
     bool local_space = false;  ///< vectors are in index space, not along the world's axes
 };
 
@@ -52,7 +53,7 @@ class VdbFile {
     const std::string& name() const { return name_; }
     std::uint32_t version() const { return version_; }
     const std::vector<VdbEntry>& entries() const { return entries_; }
-    bool z_up() const { return z_up_; }  ///< VdbMetadata::z_up of the file
+    const Standing& standing() const { return standing_; }  ///< VdbMetadata::standing of the file
     /// Bytes of a grid: head, tree topology, voxel values.
     BigVector<char> bytes(const VdbEntry& entry) { return bytes(entry.begin, entry.end); }
     BigVector<char> bytes(std::uint64_t begin, std::uint64_t end) {
@@ -72,7 +73,7 @@ class VdbFile {
     FileBytes file_;
     std::uint32_t version_ = 0;
     std::vector<VdbEntry> entries_;
-    bool z_up_ = false;
+    Standing standing_;
 };
 
 /// Reads the head of a grid up to its tree, or to its end if it shares another grid's tree.
