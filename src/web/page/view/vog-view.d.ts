@@ -22,6 +22,8 @@ export interface PictureSettings {
   window?: [number, number] | null;
   bands?: [number, number | null, Vector, number][] | null;
   threshold?: number | null;
+  /** Pairs of a magnitude of the field's gradient, ascending, and a factor of the extinction, 0 to 1. */
+  gradient_opacity?: [number, number][] | null;
   extinction?: number | 'auto' | null;
   blend?: boolean | null;
   background?: 'black' | 'white' | 'transparent' | 'system' | Vector | [number, number, number, number] | null;
