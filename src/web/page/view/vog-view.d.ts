@@ -9,6 +9,7 @@ export interface TransferFunction {
   opacity?: [number, number][];
   domain?: [number, number];
   unit_distance?: number;
+  gradient_opacity?: [number, number][];
 }
 
 /** Words of a picture's request (docs/formats.md); null: the default. */
