@@ -69,8 +69,8 @@ ROWS = [
     # Columns that are not sure.
     ("render whole.xyz -o p.png --radius 1", r"or (--columns 1,2,3)", "+"),
     ("render seven.xyz -o p.png --radius 1", r"(--columns) names others", "+ 1,2,3"),
-    ("render few.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,2,3"),
-    ("render twice.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,3,4"),
+    ("render few.csv -o p.png --radius 1", r"three columns \((--columns)\)", "+ 1,2,3"),
+    ("render twice.csv -o p.png --radius 1", r"three columns \((--columns)\)", "+ 1,3,4"),
     ("render weights.csv -o p.png --value w", r"(--clip-negative)", "+"),
     ("render smooth.csv -o p.png", r"(--radius adaptive)", "+"),
     ("render smooth.csv -o p.png --periodic", r"expected (--periodic) EDGE", "render smooth.csv -o p.png {0} 9"),
