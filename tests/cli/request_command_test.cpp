@@ -61,6 +61,9 @@ TEST_F(request_command, options_beside_it_take_the_place_of_its_own) {
         must("render --request lit.png --set asymmetry=0.4 -o forward.png");
         EXPECT_EQ(read_record(dir_ / "forward.png").request.look.asymmetry, 0.4) << light;
     }
+    must("render cloud.vdb --show volume --size 30 --view 120,40 -o side.png --shadows");
+    const PictureRequest side = read_record(dir_ / "side.png").request;
+    EXPECT_LT(length(side.look.lights.front().towards - studio_light(*side.camera)), 1e-6);
     must_fail(1, "render --request first.png --show volume --set asymmetry=0.4", "asymmetry");
     // Another quantity has other values.
     must("render --request first.png --show T -o t.png");

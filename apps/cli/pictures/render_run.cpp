@@ -310,6 +310,9 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
     if (!request.field.empty() && !inputs.field.empty()) request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
+    // Light from the upper left is that of the first view.
+    if (request.look.is_lit() && !request.camera)
+        request.camera = first_camera(arguments, command, inputs.scene.subject);
     ResolvedPicture picture = resolve(request, inputs.scene);
     if (request.show == Show::slice && !arguments.view.stored) {
         arguments.view.stored = picture.camera();

@@ -127,13 +127,20 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
     return outputs;
 }
 
+Camera first_camera(const RenderArguments& arguments, const GivenOptions& command,
+                    const Subject& subject) {
+    return camera_from(arguments.view, command,
+                       shown_subject(arguments, arguments.subject.value_or(subject)),
+                       double(arguments.request.width) / arguments.request.height);
+}
+
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments,
                                           const GivenOptions& command, const Subject& subject,
                                           const DrawView& draw) {
     const double aspect = double(arguments.request.width) / arguments.request.height;
     const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
     const bool stored = keeps_stored(arguments.view, command);
-    Camera first = camera_from(arguments.view, command, shown, aspect);
+    Camera first = first_camera(arguments, command, subject);
     std::vector<Camera> cameras{first};
     std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},
         values{arguments.values_output};

@@ -18,6 +18,11 @@ bool is_numbered(const std::string& output);
 std::vector<std::string> numbered_outputs(const std::string& output, int count,
                                           const std::string& extension);
 
+/// The camera of the first view of a run.
+/// subject  of the inputs
+Camera first_camera(const RenderArguments& arguments, const GivenOptions& command,
+                    const Subject& subject);
+
 /// Draws one picture with the files of its arguments.
 /// returns  its figures; none on ranks other than the root
 using DrawView =
