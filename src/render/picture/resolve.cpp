@@ -112,10 +112,9 @@ void state_magnitudes(ResolvedPicture& picture, const Scene& scene) {
     const double steepest = several ? 0 : steepest_gradient(scene, picture.field.field);
     if (!(steepest > 0))
         throw RequestError("gradient_opacity",
-                           several ? ": percentages take one process; state magnitudes"
-                           : scene.has_cells()
-                               ? ": percentages are of voxels and models; state magnitudes"
-                               : ": percentages of a field that has no gradient");
+                           several ? ": several processes need magnitudes, not percentages"
+                           : scene.has_cells() ? ": cells need magnitudes, not percentages"
+                                               : ": the field has no gradient");
     for (GradientOpacity& point : transfer.gradient) point.magnitude *= steepest;
 }
 
