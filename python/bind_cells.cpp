@@ -106,7 +106,7 @@ py::dict given_of(const CellValues& values) {
     given["at"] = values.at_points ? "points" : "cells";
     return given;
 }
-py::tuple state_of(const Cells& self) {
+py::tuple state_of_cells(const Cells& self) {
     py::dict fields;
     for (const CellValues& field : self.fields) fields[py::str(field.name)] = given_of(field);
     const auto array = [](const auto& numbers) {
@@ -161,7 +161,7 @@ vog.convert makes Gaussians of them, without a grid between. Cells that are inve
             [](Cells& self, const std::pair<std::string, std::string>& units) {
                 self.units = {units.first, units.second};
             })
-        .def(py::pickle(&state_of, &cells_of))
+        .def(py::pickle(&state_of_cells, &cells_of))
         .def("__len__", &Cells::size)
         .def("__repr__", [](const Cells& self) {
             std::string names = self.density.name;

@@ -111,7 +111,7 @@ Model join(const Gaussians& a, const Gaussians& b) {
     return both;
 }
 
-py::tuple state_of(const py::object& self) {
+py::tuple state_of_model(const py::object& self) {
     const auto& model = self.cast<const Gaussians&>();
     return py::make_tuple(
         self.attr("mean"), self.attr("scale"), self.attr("density"),
@@ -121,7 +121,7 @@ py::tuple state_of(const py::object& self) {
         model.content.hull, model.content.standing.up, model.content.standing.front,
         model.content.units.length, model.content.units.density, model.content.by_value);
 }
-Model from_state(const py::tuple& state) {
+Model model_of_state(const py::tuple& state) {
     Model model = from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(),
                               state[5], state[11], state[12]);
     model->source_voxels = state[6].cast<std::uint64_t>();
@@ -371,7 +371,7 @@ Raises vog.Error where the file cannot be written, a bound cannot be met, or opt
                         (self.source.empty() ? "unknown source" : self.source) +
                         (self.axis_aligned() ? ", axis-aligned>" : ">");
              })
-        .def(py::pickle(&state_of, &from_state));
+        .def(py::pickle(&state_of_model, &model_of_state));
     bind_arrays(c);
 }
 

@@ -174,7 +174,7 @@ std::string transfer_json(const py::object& tf) {
 }
 
 /// Numbers, colours and request of a picture, for pickles.
-py::tuple state_of(const py::object& self) {
+py::tuple state_of_picture(const py::object& self) {
     const Picture& p = self.cast<const DrawnPicture&>().picture;
     const ColorScale& scale = p.scale;
     return py::make_tuple(
@@ -285,7 +285,7 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
              [](const DrawnPicture& self) {
                  return py::cast(Bitmap(self.picture.image)).attr("_repr_png_")();
              })
-        .def(py::pickle(&state_of, &picture_of))
+        .def(py::pickle(&state_of_picture, &picture_of))
         .def("__repr__", [](const DrawnPicture& self) {
             return "<vog.Picture: " + label_of(self) + ", " +
                    std::to_string(self.picture.sums.width) + "x" +

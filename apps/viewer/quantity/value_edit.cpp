@@ -10,7 +10,7 @@ namespace vog::viewer {
 
 namespace {
 
-constexpr std::size_t kMostSteps = 200;  ///< of the history
+constexpr std::size_t kLongestHistory = 200;  ///< steps
 
 }  // namespace
 
@@ -118,7 +118,7 @@ void ValueHistory::keep(Step before) {
     after_.clear();
     if (dragging_ && drag_kept_) return;
     before_.push_back(std::move(before));
-    if (before_.size() > kMostSteps) before_.erase(before_.begin());
+    if (before_.size() > kLongestHistory) before_.erase(before_.begin());
     drag_kept_ = dragging_;
 }
 
