@@ -4,7 +4,7 @@
 #               of the label nightly (the Python package under NumPy 2 among them), every pair of options in a run of its own
 #               (VOG_ALL_PAIRS); effects of the options of vog view and vog-mpi, and of every option on conversions that measure
 #               their errors and on evaluations of a volume (VOG_ALL_EFFECTS)
-#   sanitizers  tests that every change runs without them alone: conversions that measure errors, more pictures of voxels
+#   sanitizers  tests that every change runs without them alone: conversions that measure errors, more pictures of voxels, most sessions of the window
 #               (`night` in tests/CMakeLists.txt)
 #   threads     the parallel stages under the thread sanitizer
 #   packages    a wheel for each Python that this machine has, each on a bare system

@@ -66,6 +66,8 @@ SLOW = {"sample_cloud", "sample_explosion", "sample_head", "sample_fire", "sampl
 # By itself a conversion draws 12 views of 256 x 256 pixels to measure its error, 0.7 s of CPU: only for the parameters of WITHOUT.
 REQUIRED = {"voxelize": {"voxel_size": 0.5}, "convert": {"block": 4}}
 WITHOUT = {name: {"block"} for name in ("data", "budget", "error", "lod")}
+# As slow with any number that they take.
+SLOWLY = {("convert", "measure"), ("convert", "refine_seconds")}
 THROWN = (vog.Error, TypeError, ValueError, LookupError, OSError, ImportError, AttributeError, OverflowError, ArithmeticError, RuntimeError, MemoryError)
 
 def members():
@@ -131,7 +133,7 @@ for name, call, parameters, needed, owner in members():
     base.update(REQUIRED.get(name, {}))
     for parameter in parameters:
         for label, value in KINDS.items():
-            if name.split(".")[0] in SLOW and label not in ("none", "text", "list", "odd", "model", "minus", "cube"): continue
+            if (name.split(".")[0] in SLOW or (name, parameter) in SLOWLY) and label not in ("none", "text", "list", "odd", "model", "minus", "cube"): continue
             if parameter in ("size", "width", "height", "resolution") and label in ("huge",): continue
             given = {**{key: one for key, one in base.items() if key not in WITHOUT.get(parameter, ())}, parameter: value}
             first = name.endswith(("__getitem__", "__add__", "__call__", "__eq__", "="))
