@@ -11,8 +11,7 @@ namespace vog::test {
 
 namespace {
 
-using cli::parse_field;
-using cli::parse_fields;
+using vog::cli::parse_field, vog::cli::parse_fields;
 
 class field_options : public testing::Test {
   protected:
@@ -27,7 +26,7 @@ class field_options : public testing::Test {
     static std::string refusal(const std::vector<std::string>& texts) {
         try {
             parse_fields(texts);
-        } catch (const cli::UsageError& error) {
+        } catch (const vog::cli::UsageError& error) {
             EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
             return error.what();
         }

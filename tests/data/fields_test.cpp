@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 
 #include "support/field_models.h"
+#include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 
@@ -19,16 +19,6 @@ Gaussians model_with_fields(int count, std::uint64_t seed) {
     model.source = "gas.vdb";
     add_random_fields(model, seed);
     return model;
-}
-
-/// Message of the error that a call throws.
-std::string error_of(const std::function<void()>& call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -101,7 +91,7 @@ TEST(fields, models_of_different_fields_are_not_joined) {
         Gaussians other = model, both = model;
         other.source = "air.vdb";
         change(other.fields);
-        const std::string error = error_of([&] { append(both, other); });
+        const std::string error = refusal([&] { append(both, other); });
         EXPECT_EQ(both.size(), model.size());
         EXPECT_NO_THROW(validate(both));
         return error;
@@ -116,7 +106,7 @@ TEST(fields, models_of_different_fields_are_not_joined) {
     EXPECT_EQ(joined_with([](Fields& fields) { fields.scalar[0].unit = "C"; }),
               "air.vdb: field 'temperature': in 'K' and in 'C', expected one unit");
     Gaussians plain = random_gaussians(3, 0.1, 0.2, 7);
-    EXPECT_NE(error_of([&] { append(plain, model); }).find("field 'temperature': one model"),
+    EXPECT_NE(refusal([&] { append(plain, model); }).find("field 'temperature': one model"),
               std::string::npos);
 }
 
@@ -174,8 +164,8 @@ TEST(fields, invalid_ones_are_refused_by_name) {
     for (const Case& one : cases) {
         Gaussians changed = model;
         one.change(changed.fields);
-        EXPECT_EQ(error_of([&] { validate(changed); }).find("gas.vdb: " + one.message), 0u)
-            << one.message << " / " << error_of([&] { validate(changed); });
+        EXPECT_EQ(refusal([&] { validate(changed); }).find("gas.vdb: " + one.message), 0u)
+            << one.message << " / " << refusal([&] { validate(changed); });
     }
 }
 

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "evaluate/evaluation_json.h"
 #include "render/reference/reference.h"
+#include "support/command.h"
 #include "support/data.h"
 #include "support/scenes.h"
 #include "vog/convert_moments.h"
@@ -68,12 +68,6 @@ const EvaluationRow* find_row(const Evaluation& evaluation, const std::string& s
         return row.series == series && row.step == step;
     });
     return found == evaluation.rows.end() ? nullptr : &*found;
-}
-
-std::string read_text(const fs::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file, std::ios::binary).rdbuf();
-    return text.str();
 }
 
 int count_of(const std::string& text, const std::string& part) {

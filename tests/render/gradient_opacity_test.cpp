@@ -12,6 +12,7 @@
 #include "support/field_models.h"
 #include "support/gpus.h"
 #include "support/layer_pictures.h"
+#include "support/made_fields.h"
 #include "support/model_psnr.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
@@ -26,7 +27,7 @@ namespace vog::test {
 namespace {
 
 constexpr int kEdge = 32;
-constexpr double kExtinction = 0.05, kSlope = 0.125, kFactor = 0.4;
+constexpr double kFlatExtinction = 0.05, kSlope = 0.125, kFactor = 0.4;
 
 /// Values 1 for x < 16, then rising by kSlope a voxel.
 double value_at(int x) { return 1 + kSlope * std::max(x - 16, 0); }
@@ -48,7 +49,7 @@ ValueTransfer white(std::vector<GradientOpacity> gradient) {
     return {"white",
             {{0, 1, 1, 1}, {9, 1, 1, 1}},
             {{0, 0.5}, {9, 0.5}},
-            std::log(2) / kExtinction,
+            std::log(2) / kFlatExtinction,
             std::move(gradient)};
 }
 /// Extinction times kFactor at kSlope: 0 to 0.1, 1 from there on.
@@ -58,11 +59,6 @@ Camera along_z() {
     camera.eye = {15.5, 15.5, 100}, camera.look_at = {15.5, 15.5, 0};
     camera.orthographic_width = kEdge;
     return camera;
-}
-VoxelField own() {
-    VoxelField field;
-    field.component.resize(1);
-    return field;
 }
 const Rgba& middle(const VolumeImage& picture, int x) {
     return picture.pixel[static_cast<std::size_t>(16 * kEdge + x)];
@@ -110,14 +106,14 @@ TEST(gradient_opacity, of_voxels_draws_the_sloped_half_alone) {
     };
     // Under linear interpolation voxels at the faces fade to the background.
     const auto expected = [](int x, double voxels) {
-        return x < 16 ? 0 : 1 - std::exp(-kExtinction * kFactor * voxels);
+        return x < 16 ? 0 : 1 - std::exp(-kFlatExtinction * kFactor * voxels);
     };
     const VolumeImage constant = draw(Interpolation::constant);
     const VolumeImage linear = draw(Interpolation::linear);
     for (int x = 2; x < kEdge - 2; ++x) {
         // The voxel of the edge has half of the slope, and those at both ends of the ray the steep step to nothing.
         if (std::abs(x - 16) <= 1) continue;
-        const double ends = 1 - std::exp(-2 * kExtinction * (x < 16 ? 1 : 1 - kFactor));
+        const double ends = 1 - std::exp(-2 * kFlatExtinction * (x < 16 ? 1 : 1 - kFactor));
         const double clear = 1 - expected(x, kEdge);
         EXPECT_NEAR(middle(constant, x).a, 1 - clear * (1 - ends), 1e-5) << x;
         EXPECT_NEAR(middle(linear, x).a, expected(x, kEdge - 1), 0.1) << x;
@@ -138,10 +134,10 @@ TEST(gradient_opacity, casts_the_shadows_of_what_it_leaves) {
         return double{middle(picture, 20).r} / double{middle(picture, 20).a};
     };
     const auto lit = [&](double depth) { return look.ambient + look.diffuse * std::exp(-depth); };
-    EXPECT_NEAR(shade(white({})), lit(kExtinction * 20.5), 0.01);
+    EXPECT_NEAR(shade(white({})), lit(kFlatExtinction * 20.5), 0.01);
     // A sheet at the face, where values begin, then the slope.
-    const double sheet = kExtinction * (1 + 0.5);
-    EXPECT_NEAR(shade(white(of_slope())), lit(sheet + kExtinction * kFactor * 4), 0.04);
+    const double sheet = kFlatExtinction * (1 + 0.5);
+    EXPECT_NEAR(shade(white(of_slope())), lit(sheet + kFlatExtinction * kFactor * 4), 0.04);
 }
 
 TEST(gradient_opacity, of_a_factor_1_changes_nothing) {
@@ -204,7 +200,7 @@ TEST(gradient_opacity, of_a_model_is_that_of_its_voxels) {
         render_volume_splat(model, values.name, transfer, along_z(), kEdge, kEdge, {.slabs = 128});
     for (int x = 4; x < kEdge - 4; ++x) {
         if (std::abs(x - 16) <= 3) continue;
-        const double expected = x < 16 ? 0 : 1 - std::exp(-kExtinction * 0.375 * kEdge);
+        const double expected = x < 16 ? 0 : 1 - std::exp(-kFlatExtinction * 0.375 * kEdge);
         EXPECT_NEAR(middle(splat, x).a, expected, 0.1) << x;
     }
 }

@@ -8,6 +8,7 @@
 #include "render/reference/reference.h"
 #include "render/splat/volume/volume_splat.h"
 #include "render/trace/trace.h"
+#include "support/made_fields.h"
 #include "vog/error.h"
 
 namespace vog::test {
@@ -29,11 +30,6 @@ Volume leaf_volume(const Value& value) {
     for (int n = 0; n < kLeafVoxels; ++n)
         leaf.set(n, static_cast<float>(value(n >> 6, n >> 3 & 7, n & 7)));
     return volume;
-}
-VoxelField own() {
-    VoxelField field;
-    field.component.resize(1);
-    return field;
 }
 
 /// Round Gaussians on the z axis, with a field of slope 2 along z.

@@ -34,7 +34,7 @@ Camera pinhole(Vec3d eye, Vec3d look_at) {
     return camera;
 }
 
-VoxelField own() {
+VoxelField own_density() {
     VoxelField field;
     field.name = "density";
     field.component.resize(1);
@@ -43,7 +43,7 @@ VoxelField own() {
 
 /// One leaf whose voxels are value(x); voxels of edge 0.5, from -0.25 to 3.75.
 template <class Value>
-Volume leaf_volume(const Value& value) {
+Volume half_edge_leaf(const Value& value) {
     Volume volume;
     volume.world_from_index.linear = {{Vec3d{0.5, 0, 0}, Vec3d{0, 0.5, 0}, Vec3d{0, 0, 0.5}}};
     Leaf& leaf = volume.leaves.emplace_back();
@@ -81,7 +81,7 @@ constexpr Vec3d kMiddle{1.75, 1.75, 1.75};
 }  // namespace
 
 TEST(volume_picture, a_box_of_one_value_absorbs_by_its_chord) {
-    const Volume volume = leaf_volume([](int) { return 0.5; });
+    const Volume volume = half_edge_leaf([](int) { return 0.5; });
     const ValueTransfer transfer = two_materials();
     const double extinction = -std::log(0.8) / 1.5;
     const auto expected = [&](double chord) {
@@ -89,19 +89,20 @@ TEST(volume_picture, a_box_of_one_value_absorbs_by_its_chord) {
         return rgba(alpha, 0.5 * alpha, 0, alpha);
     };
     const Vec3d side = kMiddle + Vec3d{-9, 0, 0}, corner = kMiddle + Vec3d{9, 9, 9};
-    expect_near(one_pixel(volume, own(), transfer, orthographic(side, kMiddle, 1)), expected(4));
-    expect_near(one_pixel(volume, own(), transfer, pinhole(side, kMiddle)), expected(4));
-    expect_near(one_pixel(volume, own(), transfer, pinhole(corner, kMiddle)),
+    expect_near(one_pixel(volume, own_density(), transfer, orthographic(side, kMiddle, 1)),
+                expected(4));
+    expect_near(one_pixel(volume, own_density(), transfer, pinhole(side, kMiddle)), expected(4));
+    expect_near(one_pixel(volume, own_density(), transfer, pinhole(corner, kMiddle)),
                 expected(4 * std::sqrt(3.0)));
     // The eye inside, a quarter from the front.
-    expect_near(one_pixel(volume, own(), transfer, pinhole({0.75, 1.75, 1.75}, kMiddle)),
+    expect_near(one_pixel(volume, own_density(), transfer, pinhole({0.75, 1.75, 1.75}, kMiddle)),
                 expected(3));
-    expect_near(one_pixel(volume, own(), transfer, orthographic({9, 9, 9}, {9, 9, 0}, 1)),
+    expect_near(one_pixel(volume, own_density(), transfer, orthographic({9, 9, 9}, {9, 9, 0}, 1)),
                 rgba(0, 0, 0, 0));
 }
 
 TEST(volume_picture, two_slabs_differ_by_their_order) {
-    const Volume volume = leaf_volume([](int x) { return x < 4 ? 0.5 : 1.0; });
+    const Volume volume = half_edge_leaf([](int x) { return x < 4 ? 0.5 : 1.0; });
     const double thin = 1 - std::exp(std::log(0.8) / 1.5 * 2);
     const double thick = 1 - std::exp(std::log(0.4) / 1.5 * 2);
     const auto expected = [&](bool thin_first) {
@@ -111,16 +112,17 @@ TEST(volume_picture, two_slabs_differ_by_their_order) {
     };
     for (const bool thin_first : {true, false}) {
         const Vec3d eye = kMiddle + Vec3d{thin_first ? -9.0 : 9.0, 0, 0};
-        expect_near(one_pixel(volume, own(), two_materials(), orthographic(eye, kMiddle, 1)),
-                    expected(thin_first));
-        expect_near(one_pixel(volume, own(), two_materials(), pinhole(eye, kMiddle)),
+        expect_near(
+            one_pixel(volume, own_density(), two_materials(), orthographic(eye, kMiddle, 1)),
+            expected(thin_first));
+        expect_near(one_pixel(volume, own_density(), two_materials(), pinhole(eye, kMiddle)),
                     expected(thin_first));
     }
 }
 
 TEST(volume_picture, another_field_is_weighed_by_density) {
-    const Volume volume = leaf_volume([](int) { return 3.0; });
-    VoxelField field = own();
+    const Volume volume = half_edge_leaf([](int) { return 3.0; });
+    VoxelField field = own_density();
     field.component[0].leaf.resize(1);
     field.component[0].leaf[0].fill(0.5f);
     const double alpha = 1 - std::exp(std::log(0.8) / 1.5 * 3 * 4);
@@ -130,7 +132,7 @@ TEST(volume_picture, another_field_is_weighed_by_density) {
 }
 
 TEST(volume_picture, a_ramp_is_classified_voxel_by_voxel) {
-    const Volume volume = leaf_volume([](int x) { return x; });
+    const Volume volume = half_edge_leaf([](int x) { return x; });
     const ValueTransfer transfer{"ramp", {{1, 0, 0, 0}, {7, 1, 1, 1}}, {{2, 0}, {6, 0.8}}, 1};
     double light = 0, passed = 1;
     for (int x = 0; x < 8; ++x) {
@@ -139,9 +141,9 @@ TEST(volume_picture, a_ramp_is_classified_voxel_by_voxel) {
         const double clear = std::sqrt(1 - opacity);  // half a unit distance
         light += passed * (1 - clear) * grey, passed *= clear;
     }
-    expect_near(
-        one_pixel(volume, own(), transfer, orthographic(kMiddle + Vec3d{-9, 0, 0}, kMiddle, 1)),
-        rgba(light, light, light, 1 - passed));
+    expect_near(one_pixel(volume, own_density(), transfer,
+                          orthographic(kMiddle + Vec3d{-9, 0, 0}, kMiddle, 1)),
+                rgba(light, light, light, 1 - passed));
 }
 
 namespace {
@@ -188,7 +190,7 @@ Rgba brute_force(const Volume& volume, const VoxelField& field, const ValueTrans
 
 VoxelField random_field(const Volume& volume) {
     Random random(5);
-    VoxelField field = own();
+    VoxelField field = own_density();
     VoxelValues& values = field.component[0];
     values.leaf.resize(volume.leaves.size());
     for (auto& leaf : values.leaf)
@@ -202,7 +204,7 @@ VoxelField random_field(const Volume& volume) {
 
 TEST(volume_picture, is_that_of_all_voxels_in_order) {
     Volume volume = random_volume(3);
-    const VoxelField fields[] = {own(), random_field(volume)};
+    const VoxelField fields[] = {own_density(), random_field(volume)};
     const ValueTransfer transfer{
         "t",
         {{-0.5, 1, 0, 0}, {0.4, 0, 1, 0.2f}, {0.4, 0.1f, 0, 1}, {3, 1, 1, 0}},
@@ -219,15 +221,15 @@ TEST(volume_picture, is_that_of_all_voxels_in_order) {
                                   pinhole(middle, middle + Vec3d{1, 2, 3})};
         for (const Camera& camera : cameras)
             for (const VoxelField& field : fields) {
-                constexpr int kEdge = 5;
+                constexpr int kSide = 5;
                 const VolumeImage image = render_volume_reference({&volume, 1}, {&field, 1},
-                                                                  transfer, camera, kEdge, kEdge);
-                const CameraFrame frame = frame_of(camera, kEdge, kEdge);
-                for (int n = 0; n < kEdge * kEdge; ++n)
+                                                                  transfer, camera, kSide, kSide);
+                const CameraFrame frame = frame_of(camera, kSide, kSide);
+                for (int n = 0; n < kSide * kSide; ++n)
                     expect_near(
                         image.pixel[static_cast<std::size_t>(n)],
-                        brute_force(volume, field, transfer, frame.origin(n % kEdge, n / kEdge),
-                                    frame.direction(n % kEdge, n / kEdge)),
+                        brute_force(volume, field, transfer, frame.origin(n % kSide, n / kSide),
+                                    frame.direction(n % kSide, n / kSide)),
                         2 * kTolerance);
             }
     }
@@ -235,7 +237,7 @@ TEST(volume_picture, is_that_of_all_voxels_in_order) {
 
 TEST(volume_picture, a_field_without_values_is_the_volumes_own_in_maps_too) {
     const Volume volume = random_volume(9);
-    const VoxelField implied = own(), stated = own_field(volume);
+    const VoxelField implied = own_density(), stated = own_field(volume);
     const Camera camera = pinhole({30, 20, 40}, {3, 3, 3});
     const auto draw = [&](const VoxelField& field) {
         return render_field_reference({&volume, 1}, {&field, 1}, FieldPart::value, camera, 16, 16);
@@ -249,7 +251,7 @@ TEST(volume_picture, a_field_without_values_is_the_volumes_own_in_maps_too) {
 
 TEST(volume_picture, is_the_same_for_any_number_of_threads_and_averages_samples) {
     const Volume volume = random_volume(4);
-    const VoxelField field = own();
+    const VoxelField field = own_density();
     const ValueTransfer transfer = two_materials();
     const Camera camera = pinhole({30, 20, 40}, {3, 3, 3});
     const auto draw = [&](int width, int samples) {
@@ -276,7 +278,7 @@ TEST(volume_picture, is_the_same_for_any_number_of_threads_and_averages_samples)
 TEST(volume_picture, volumes_that_overlap_add_their_extinctions) {
     const Volume volume = random_volume(7);
     const Volume twice[] = {volume, volume};
-    const VoxelField fields[] = {own(), own()};
+    const VoxelField fields[] = {own_density(), own_density()};
     ValueTransfer transfer = two_materials();
     const Camera camera = pinhole({30, 20, 40}, {3, 3, 3});
     const VolumeImage sum = render_volume_reference(twice, fields, transfer, camera, 24, 24);
@@ -288,13 +290,13 @@ TEST(volume_picture, volumes_that_overlap_add_their_extinctions) {
 }
 
 TEST(volume_picture, clips_cut_exactly_within_voxels) {
-    const Volume volume = leaf_volume([](int) { return 0.5; });
+    const Volume volume = half_edge_leaf([](int) { return 0.5; });
     const double extinction = -std::log(0.8) / 1.5;
     const auto alpha = [&](const Clipping& clip, const Camera& camera) {
         VolumeLook look;
         look.clip = clip;
-        const double of_look = one_pixel(volume, own(), two_materials(), camera, look).a;
-        const VoxelField field = own();
+        const double of_look = one_pixel(volume, own_density(), two_materials(), camera, look).a;
+        const VoxelField field = own_density();
         ReferenceOptions options;
         options.clip = clip;
         const FieldMaps maps = render_field_reference({&volume, 1}, {&field, 1}, FieldPart::value,
@@ -346,24 +348,26 @@ TEST(volume_picture, two_sides_of_a_plane_have_the_whole_optical_depth) {
 
 TEST(volume_picture, light_shades_by_the_gradient) {
     // Opaque: the front voxels alone are visible, whose gradient is along the ray.
-    const Volume volume = leaf_volume([](int) { return 1.0; });
+    const Volume volume = half_edge_leaf([](int) { return 1.0; });
     ValueTransfer transfer{"grey", {{0, 0.5f, 0.25f, 0}}, {{0, 1}}, 1e-3};
     VolumeLook look;
     look.light = true;
     look.ambient = 0.2, look.diffuse = 0.6, look.specular = 0.1;
     const Camera camera = orthographic(kMiddle + Vec3d{-9, 0, 0}, kMiddle, 1);
-    expect_near(one_pixel(volume, own(), transfer, camera, look),
+    expect_near(one_pixel(volume, own_density(), transfer, camera, look),
                 rgba(0.8 * 0.5 + 0.1, 0.8 * 0.25 + 0.1, 0.1, 1), 2e-6);
     // 60 degrees off: half the diffuse light; the half vector is 30 degrees off.
     look.lights = {{{-0.5, 0, std::sqrt(0.75)}}};
     const double shine = 0.1 * std::pow(std::cos(std::acos(-1.0) / 6), look.power);
-    expect_near(one_pixel(volume, own(), transfer, camera, look),
+    expect_near(one_pixel(volume, own_density(), transfer, camera, look),
                 rgba(0.5 * 0.5 + shine, 0.5 * 0.25 + shine, shine, 1), 2e-6);
     // From behind: ambient alone. Inside, without a gradient: the colour itself.
     look.lights = {{{1, 0, 0}}};
-    expect_near(one_pixel(volume, own(), transfer, camera, look), rgba(0.1, 0.05, 0, 1), 2e-6);
+    expect_near(one_pixel(volume, own_density(), transfer, camera, look), rgba(0.1, 0.05, 0, 1),
+                2e-6);
     look.clip.planes = {{{1, 0, 0}, 0.5}};
-    expect_near(one_pixel(volume, own(), transfer, camera, look), rgba(0.5, 0.25, 0, 1), 2e-6);
+    expect_near(one_pixel(volume, own_density(), transfer, camera, look), rgba(0.5, 0.25, 0, 1),
+                2e-6);
 }
 
 TEST(volume_picture, is_blended_over_a_background) {
@@ -381,23 +385,23 @@ TEST(volume_picture, is_blended_over_a_background) {
 }
 
 TEST(volume_picture, refuses_fields_of_other_volumes_and_lights_of_no_number) {
-    const Volume volume = leaf_volume([](int) { return 1.0; });
+    const Volume volume = half_edge_leaf([](int) { return 1.0; });
     const Camera camera = pinhole({9, 9, 9}, kMiddle);
-    VoxelField field = own();
+    VoxelField field = own_density();
     field.component[0].tile = {1};
     EXPECT_THROW(one_pixel(volume, field, two_materials(), camera), Error);
     EXPECT_THROW((void)render_volume_reference({&volume, 1}, {}, two_materials(), camera, 1, 1),
                  Error);
     VolumeLook look;
     look.diffuse = -1;
-    EXPECT_THROW(one_pixel(volume, own(), two_materials(), camera, look), Error);
+    EXPECT_THROW(one_pixel(volume, own_density(), two_materials(), camera, look), Error);
     look.diffuse = std::numeric_limits<double>::infinity();
-    EXPECT_THROW(one_pixel(volume, own(), two_materials(), camera, look), Error);
+    EXPECT_THROW(one_pixel(volume, own_density(), two_materials(), camera, look), Error);
 }
 
 TEST(volume_picture, interpolated_voxels_are_classified_at_samples) {
     // Values x + 1 between the centres, falling to 0 within a voxel beyond the first and the last; voxels of edge 0.5.
-    const Volume volume = leaf_volume([](int x) { return x + 1; });
+    const Volume volume = half_edge_leaf([](int x) { return x + 1; });
     const auto value_at = [](double x) {  // in voxels
         return x < 0 ? std::max(1 + x, 0.0) : x > 7 ? std::max(8 * (8 - x), 0.0) : x + 1;
     };
@@ -423,10 +427,10 @@ TEST(volume_picture, interpolated_voxels_are_classified_at_samples) {
             .pixel[0];
     };
     const Rgba exact = quadrature(1);
-    expect_near(pixel(own(), 0.002), exact, 1e-3);
-    expect_near(pixel(own(), 0.25), exact, 0.05);
+    expect_near(pixel(own_density(), 0.002), exact, 1e-3);
+    expect_near(pixel(own_density(), 0.25), exact, 0.05);
     // Another field, 5 everywhere, does not fade; its density does.
-    VoxelField five = own();
+    VoxelField five = own_density();
     five.lower = five.upper = 5;
     five.component[0].leaf.resize(1);
     five.component[0].leaf[0].fill(5);
@@ -434,14 +438,14 @@ TEST(volume_picture, interpolated_voxels_are_classified_at_samples) {
     // The gradient is along x, its length does not matter; the same with a light from the eye.
     VolumeLook look;
     look.light = true, look.ambient = 0.5, look.diffuse = 0.25, look.specular = 0;
-    const Rgba lit = pixel(own(), 0.002, look);
+    const Rgba lit = pixel(own_density(), 0.002, look);
     expect_near(lit, rgba(0.75 * exact.r, 0.75 * exact.g, 0, exact.a), 1e-3);
     look = {};
     look.clip.planes.push_back({{1, 0, 0}, 99});
-    EXPECT_EQ(pixel(own(), 0.25, look).a, 0);
-    EXPECT_THROW((void)pixel(own(), 0), Error);
+    EXPECT_EQ(pixel(own_density(), 0.25, look).a, 0);
+    EXPECT_THROW((void)pixel(own_density(), 0), Error);
     const std::vector<Volume> two{volume, volume};
-    const std::vector<VoxelField> fields{own(), own()};
+    const std::vector<VoxelField> fields{own_density(), own_density()};
     EXPECT_THROW((void)render_volume_reference(two, fields, transfer, camera, 1, 1, {}, {},
                                                {Interpolation::linear, 0.25}),
                  Error);

@@ -10,7 +10,7 @@ namespace {
 using namespace vog;
 using namespace vog::test;
 
-TransferFunction read_text(const std::string& text) {
+TransferFunction read_map(const std::string& text) {
     const TempDir dir;
     write_bytes(dir / "map.json", text);
     return read_transfer_function(dir / "map.json");
@@ -48,7 +48,7 @@ TEST(paraview_colors, are_those_of_paraview_in_every_space) {
     constexpr float kHalfStep = 0.5f / 255;  // what the header promises of sampling
     const float at[] = {0.05f, 0.2f, 0.4f, 0.7f, 0.95f};
     for (const Case& c : cases) {
-        const TransferFunction tf = read_text(preset(c.keys + std::string(kPoints)));
+        const TransferFunction tf = read_map(preset(c.keys + std::string(kPoints)));
         EXPECT_EQ(tf.name, "test");
         EXPECT_TRUE(tf.opacity.empty());
         for (int i = 0; i < 5; ++i) {
@@ -67,7 +67,7 @@ TEST(paraview_colors, are_those_of_paraview_in_every_space) {
 TEST(paraview_opacity, has_midpoints_sharpness_and_the_range_of_the_colors) {
     // Computed with VTK 9.1 (vtkPiecewiseFunction): a line that starts below the colours' range,
     // a sharpened piece, a step at V = 0.825.
-    const TransferFunction tf = read_text(preset(
+    const TransferFunction tf = read_map(preset(
         std::string(kPoints) +
         ", \"Points\" : [ -4, 0, 0.5, 0,  0, 0.8, 0.25, 0.5,  4, 0.2, 0.3, 1,  6, 1, 0.5, 0 ]"));
     const float expected[][2] = {{0, 0.4f},        {0.1f, 0.56f},    {0.25f, 0.8f},
@@ -79,7 +79,7 @@ TEST(paraview_opacity, has_midpoints_sharpness_and_the_range_of_the_colors) {
 }
 
 TEST(paraview_opacity, beside_the_colors_is_its_nearest_value) {
-    const TransferFunction tf = read_text(
+    const TransferFunction tf = read_map(
         preset(std::string(kPoints) + ", \"Points\" : [ 7, 0.25, 0.5, 0,  9, 1, 0.5, 0 ]"));
     EXPECT_EQ(color_at(tf, 0).a, 0.25f);
     EXPECT_EQ(color_at(tf, 1).a, 0.25f);
@@ -88,13 +88,13 @@ TEST(paraview_opacity, beside_the_colors_is_its_nearest_value) {
 TEST(paraview_colors, first_preset_counts_and_one_may_stand_alone) {
     const std::string one = "{\"Name\":\"a\",\"RGBPoints\":[0,0,0,0,1,1,1,1]}";
     const std::string other = "{\"Name\":\"b\",\"RGBPoints\":[0,1,0,0,1,1,0,0]}";
-    EXPECT_EQ(read_text("[" + one + "," + other + "]").name, "a");
-    EXPECT_EQ(read_text(other).name, "b");
+    EXPECT_EQ(read_map("[" + one + "," + other + "]").name, "a");
+    EXPECT_EQ(read_map(other).name, "b");
 }
 
 TEST(paraview_colors, equal_scalars_make_a_step) {
     const TransferFunction tf =
-        read_text(preset("\"RGBPoints\" : [ 0,1,0,0, 5,1,0,0, 5,0,0,1, 10,0,0,1 ]"));
+        read_map(preset("\"RGBPoints\" : [ 0,1,0,0, 5,1,0,0, 5,0,0,1, 10,0,0,1 ]"));
     EXPECT_EQ(color_at(tf, 0.499f), (Rgba{1, 0, 0, 1}));
     EXPECT_EQ(color_at(tf, 0.5f), (Rgba{0, 0, 1, 1}));
 }
@@ -132,7 +132,7 @@ TEST(paraview_colors, what_is_no_map_is_refused_with_its_key) {
 }
 
 TEST(own_json, holds_colors_and_opacity) {
-    const TransferFunction tf = read_text(R"({"name": "fire",
+    const TransferFunction tf = read_map(R"({"name": "fire",
         "colors": [[0, 0, 0, 0], [0.5, 1, 0, 0], [1, 1, 1, 0]], "opacity": [[0.25, 0], [1, 0.5]]})");
     EXPECT_EQ(tf.name, "fire");
     EXPECT_EQ(color_at(tf, 0.25f), (Rgba{0.5f, 0, 0, 0}));
@@ -140,10 +140,10 @@ TEST(own_json, holds_colors_and_opacity) {
 }
 
 TEST(own_json, takes_colors_from_a_named_map) {
-    const TransferFunction tf = read_text(R"({"colors": "jet", "opacity": [[0, 0], [1, 1]]})");
+    const TransferFunction tf = read_map(R"({"colors": "jet", "opacity": [[0, 0], [1, 1]]})");
     EXPECT_EQ(tf.name, "jet");
     EXPECT_EQ(color_at(tf, 0.875f), (Rgba{1, 0, 0, 0.875f}));
-    EXPECT_EQ(read_text(R"({"colors": [[0, 1, 1, 1]]})").name, "map");  // the file's
+    EXPECT_EQ(read_map(R"({"colors": [[0, 1, 1, 1]]})").name, "map");  // the file's
 }
 
 TEST(own_json, survives_a_round_trip_bit_by_bit) {
@@ -196,7 +196,7 @@ TEST(own_json, what_is_no_map_is_refused_with_its_key) {
 TEST(own_json, every_truncation_is_refused) {
     const std::string text = R"({"colors": [[0, 0, 0, 0], [1, 1, 1, 1]], "opacity": [[0, 1]]})";
     for (std::size_t size = 0; size < text.size(); ++size)
-        EXPECT_THROW((void)read_text(text.substr(0, size)), Error) << size;
+        EXPECT_THROW((void)read_map(text.substr(0, size)), Error) << size;
 }
 
 TEST(load_transfer_function, takes_a_name_or_a_file) {

@@ -1,6 +1,8 @@
 // layer_pictures.h: volume pictures of layers, light by pixel.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,13 @@ inline PictureRequest request_of(std::vector<Layer> layers) {
 }
 inline std::vector<Rgba> light_of(std::vector<vog::Scene> scenes, const PictureRequest& request) {
     return render(scene_of_layers(std::move(scenes)), request).sums.light;
+}
+inline double largest_difference(const std::vector<Rgba>& a, const std::vector<Rgba>& b) {
+    double most = a.size() == b.size() ? 0 : HUGE_VAL;
+    for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n)
+        for (const auto part : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
+            most = std::max(most, std::abs(double{a[n].*part} - double{b[n].*part}));
+    return most;
 }
 
 }  // namespace vog::test

@@ -9,6 +9,13 @@
 
 namespace vog::test {
 
+/// The field that is a volume's own values.
+inline VoxelField own() {
+    VoxelField field;
+    field.component.resize(1);
+    return field;
+}
+
 /// A field of any function of the world position, at the voxels of a volume.
 template <class Function>
 VoxelValues values_of(const Volume& volume, const Function& function) {

@@ -21,6 +21,13 @@ inline Leaf random_leaf(Random& random, Vec3i origin, double fill, double low = 
     return leaf;
 }
 
+inline Volume volume_of(BigVector<Leaf> leaves) {
+    Volume volume;
+    volume.leaves = std::move(leaves);
+    sort_nodes(volume);
+    return volume;
+}
+
 /// 3^3 leaves around index 0, from empty to dense, and a tile of each size. Origins of both signs
 /// are in two lower nodes per axis; leaves, and tiles of each size, have similar mass.
 inline Volume random_volume(std::uint64_t seed) {

@@ -20,7 +20,7 @@ using namespace viewer;
 namespace {
 
 constexpr double kLeast = 4.5;
-constexpr float kWidth = 1280, kHeight = 1000;
+constexpr float kWindowWidth = 1280, kWindowHeight = 1000;
 
 Vec3d color_of(ImU32 color) {
     const ImVec4 c = ImGui::ColorConvertU32ToFloat4(color);
@@ -117,7 +117,7 @@ class window_contrast : public headless {
         ImGui::CreateContext();
         ImGuiIO& io = ImGui::GetIO();
         io.IniFilename = nullptr;
-        io.DisplaySize = {kWidth, kHeight};
+        io.DisplaySize = {kWindowWidth, kWindowHeight};
         io.Fonts->AddFontDefault();
         gui_gl_.emplace();
         gui_gl_->upload_fonts();
@@ -132,7 +132,8 @@ class window_contrast : public headless {
         session.settings.light_window = light;
         set_style(1, light);
         ImGui::GetStyle().AntiAliasedLinesUseTex = false;  // whose texture looks like a letter's
-        const Layout layout = layout_of(kWidth, kHeight, 1, true, session.step_count() > 0);
+        const Layout layout =
+            layout_of(kWindowWidth, kWindowHeight, 1, true, session.step_count() > 0);
         for (int n = 0; n < 4; ++n) {
             ImGui::GetIO().DeltaTime = 1 / 60.0f;
             ImGui::NewFrame();

@@ -114,16 +114,16 @@ struct Joint {
     }
 };
 
-constexpr double kFloat = 2e-5;  // of sums of single-precision numbers
+constexpr double kFieldFloat = 2e-5;  // of sums of single-precision numbers
 
 void expect_field(const ScalarField& field, std::size_t i, const Joint& exact, bool skewness) {
     const double sd = std::sqrt(exact.residual(0, 0)), spread = std::sqrt(exact.covariance(0, 0));
     const double size = sd + length(exact.gradient.row[0]) * spread + std::abs(exact.value.x);
-    EXPECT_NEAR(field.value[i], exact.value.x, kFloat * size) << i;
+    EXPECT_NEAR(field.value[i], exact.value.x, kFieldFloat * size) << i;
     EXPECT_NEAR(length(vec_cast<double>(field.gradient[i]) - exact.gradient.row[0]) * spread, 0,
-                kFloat * size)
+                kFieldFloat * size)
         << i;
-    EXPECT_NEAR(field.deviation[i], sd, kFloat * size) << i;
+    EXPECT_NEAR(field.deviation[i], sd, kFieldFloat * size) << i;
     if (skewness) {
         EXPECT_NEAR(field.skewness[i], std::clamp(exact.third / (sd * sd * sd), -3.0, 3.0), 1e-3)
             << i;
@@ -135,16 +135,16 @@ void expect_field(const VectorField& field, std::size_t i, const Joint& exact) {
     const double sd2 = r(0, 0) + r(1, 1) + r(2, 2), spread = std::sqrt(exact.covariance(0, 0));
     double size = std::sqrt(sd2) + length(exact.value);
     for (const Vec3d& row : exact.gradient.row) size += length(row) * spread;
-    EXPECT_NEAR(length(vec_cast<double>(field.value[i]) - exact.value), 0, kFloat * size) << i;
+    EXPECT_NEAR(length(vec_cast<double>(field.value[i]) - exact.value), 0, kFieldFloat * size) << i;
     std::size_t n = 0;
     for (int a = 0; a < 3; ++a) {
         const auto row = static_cast<std::size_t>(a);
         EXPECT_NEAR(
             length(vec_cast<double>(field.gradient[row][i]) - exact.gradient.row[row]) * spread, 0,
-            kFloat * size)
+            kFieldFloat * size)
             << i;
         for (int b = a; b < 3; ++b)
-            EXPECT_NEAR(field.covariance[i][n++], r(a, b), kFloat * size * size) << i;
+            EXPECT_NEAR(field.covariance[i][n++], r(a, b), kFieldFloat * size * size) << i;
     }
 }
 

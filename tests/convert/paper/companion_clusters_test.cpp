@@ -9,7 +9,9 @@
 namespace vog {
 namespace {
 
-PaperOptions with(Strategy strategy) {
+using test::volume_of;
+
+PaperOptions clusters_by(Strategy strategy) {
     PaperOptions options;
     options.strategy = strategy;
     options.opacity_threshold = 0;
@@ -30,27 +32,20 @@ Leaf constant_leaf(Vec3i origin, double density) {
     return leaf_of(origin, [density](int, int, int) { return density; });
 }
 
-Volume volume_of(BigVector<Leaf> leaves) {
-    Volume volume;
-    volume.leaves = std::move(leaves);
-    sort_nodes(volume);
-    return volume;
-}
-
 std::size_t variance_count(const Volume& volume, double threshold) {
-    PaperOptions options = with(Strategy::variance_clusters);
+    PaperOptions options = clusters_by(Strategy::variance_clusters);
     options.variance_threshold = static_cast<float>(threshold);
     return convert_paper(volume, options).size();
 }
 
 std::size_t neighbour_count(const Volume& volume, double similarity) {
-    PaperOptions options = with(Strategy::leaf_clusters);
+    PaperOptions options = clusters_by(Strategy::leaf_clusters);
     options.similarity = static_cast<float>(similarity);
     return convert_paper(volume, options).size();
 }
 
 std::size_t tree_count(const Volume& volume, int depth) {
-    PaperOptions options = with(Strategy::tree_mirror);
+    PaperOptions options = clusters_by(Strategy::tree_mirror);
     options.tree_depth = depth;
     return convert_paper(volume, options).size();
 }
@@ -101,7 +96,7 @@ TEST(convert_neighbours, similar_leaves_join_and_others_do_not) {
     EXPECT_EQ(neighbour_count(volume, 0), 3u);
     EXPECT_EQ(neighbour_count(volume, 0.1), 2u);
     EXPECT_EQ(neighbour_count(volume, 1), 1u);
-    const Gaussians joined = convert_paper(volume, with(Strategy::leaf_clusters));
+    const Gaussians joined = convert_paper(volume, clusters_by(Strategy::leaf_clusters));
     EXPECT_FLOAT_EQ(joined.mean[0].x, 7.5f);
     EXPECT_FLOAT_EQ(joined.scale[0].x, static_cast<float>(8 / std::sqrt(2.0)));
     EXPECT_FLOAT_EQ(joined.scale[0].y, static_cast<float>(4 / std::sqrt(2.0)));
@@ -128,7 +123,7 @@ TEST(convert_neighbours, clusters_are_boxes_of_leaves_inside_one_lower_node) {
 
 TEST(convert_tree, leaves_at_depth_three_are_the_papers_level_five) {
     const Volume volume = test::random_volume(6);
-    const Gaussians tree = convert_paper(volume, with(Strategy::tree_mirror));
+    const Gaussians tree = convert_paper(volume, clusters_by(Strategy::tree_mirror));
     PaperOptions options = paper_lod(5);
     options.opacity_threshold = 0;
     const Gaussians paper = convert_paper(volume, options);
@@ -148,7 +143,7 @@ TEST(convert_tree, each_node_above_is_one_gaussian) {
 TEST(convert_tree, a_node_has_the_tight_box_and_the_mean_of_its_voxels) {
     Volume volume = volume_of({constant_leaf({0, 0, 0}, 1), constant_leaf({112, 0, 8}, 2)});
     volume.tiles = {{{64, 64, 64}, 8, 6}};
-    PaperOptions options = with(Strategy::tree_mirror);
+    PaperOptions options = clusters_by(Strategy::tree_mirror);
     options.tree_depth = 2;
     const Gaussians model = convert_paper(volume, options);
     ASSERT_EQ(model.size(), 1u);

@@ -18,7 +18,7 @@
 namespace vog {
 namespace {
 
-using test::random_volume;
+using test::random_volume, test::volume_of;
 
 // Scales, peaks and positions are stored as float32, each rounded by 6e-8 of itself.
 constexpr double kFloatRounding = 1e-6;
@@ -77,13 +77,6 @@ std::vector<IndexBox> reference_groups(const Leaf& leaf, bool pairs) {
     else
         scan(1, {{1, 1, 1}});
     return groups;
-}
-
-Volume volume_of(BigVector<Leaf> leaves) {
-    Volume volume;
-    volume.leaves = std::move(leaves);
-    sort_nodes(volume);
-    return volume;
 }
 
 Volume volume_of_voxels(const std::vector<Vec3i>& voxels, float value = 1) {

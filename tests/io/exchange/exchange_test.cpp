@@ -6,10 +6,10 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/data.h"
+#include "support/image_bytes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/ply.h"
@@ -17,11 +17,6 @@
 namespace vog::test {
 
 namespace {
-
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 template <class T>
 T number_at(const std::string& bytes, std::size_t at) {
@@ -117,7 +112,7 @@ TEST(exchange, ply_of_3dgs_is_read_with_the_same_shapes) {
     for (std::size_t i = 0; i < model.size(); ++i)
         for (int axis = 0; axis < 3; ++axis)
             EXPECT_NEAR(read.scale[i][axis] / model.scale[i][axis], 1, 1e-6);
-    const std::string bytes = bytes_of(dir / "m.ply");
+    const std::string bytes = read_bytes(dir / "m.ply");
     const std::size_t body = bytes.find("end_header\n") + 11;
     // f_dc is the seventh property; renderers take 1/2 + f_dc / (2 sqrt(pi)).
     for (std::size_t i = 0; i < model.size(); ++i)
@@ -143,7 +138,7 @@ TEST(exchange, spz_holds_columns_of_bytes) {
     const Splats splats = splats_of(model, random_colors(model.size()), {thin(model), false});
     write_splats(dir / "m.spz", splats);
     const std::size_t n = model.size();
-    const std::string bytes = gunzipped(bytes_of(dir / "m.spz"), 16 + 20 * n);
+    const std::string bytes = gunzipped(read_bytes(dir / "m.spz"), 16 + 20 * n);
     ASSERT_EQ(bytes.size(), 16 + 20 * n);
     EXPECT_EQ(bytes.substr(0, 4), "NGSP");
     EXPECT_EQ(number_at<std::uint32_t>(bytes, 4), 3u);
@@ -213,7 +208,7 @@ TEST(exchange, glb_points_into_its_binary_chunk) {
     const Gaussians model = cloud(1);
     const Splats splats = splats_of(model, {}, {thin(model), true});
     write_splats(dir / "m.glb", splats);
-    const std::string bytes = bytes_of(dir / "m.glb");
+    const std::string bytes = read_bytes(dir / "m.glb");
     EXPECT_EQ(bytes.substr(0, 4), "glTF");
     EXPECT_EQ(number_at<std::uint32_t>(bytes, 8), bytes.size());
     const auto text = number_at<std::uint32_t>(bytes, 12);
@@ -247,7 +242,7 @@ TEST(exchange, usda_has_the_schemas_attributes) {
     const Gaussians model = select(cloud(1), std::vector<std::size_t>{0, 1});
     const Splats splats = splats_of(model, {}, {1, false});
     write_splats(dir / "m.usda", splats);
-    const std::string text = bytes_of(dir / "m.usda");
+    const std::string text = read_bytes(dir / "m.usda");
     for (const char* line : {"#usda 1.0\n", "def ParticleField3DGaussianSplat \"Splats\"\n",
                              "    point3f[] positions = [(", "    quatf[] orientations = [(",
                              "    float3[] scales = [(", "    float[] opacities = [",

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/data.h"
+#include "support/image_bytes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/distributed.h"
@@ -20,15 +21,10 @@ namespace {
 
 constexpr const char* kFiles[] = {"m.ply", "m.spz", "m.glb", "m.usda"};
 
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// Writes a copy in which `from` is `to`, both of one length.
 void copy_changed(const std::filesystem::path& file, const std::filesystem::path& copy,
                   const std::string& from, const std::string& to) {
-    std::string bytes = bytes_of(file);
+    std::string bytes = read_bytes(file);
     const std::size_t at = bytes.find(from);
     ASSERT_NE(at, std::string::npos) << file << " " << from;
     std::ofstream(copy, std::ios::binary) << bytes.replace(at, to.size(), to);
@@ -194,7 +190,7 @@ TEST(splat_frame, gltf_has_colours_for_viewers_that_draw_points) {
     colors[1] = {0.02f, 1, 0};
     const Splats splats = splats_of(model, colors);
     write_splats(dir / "m.glb", splats);
-    const std::string bytes = bytes_of(dir / "m.glb");
+    const std::string bytes = read_bytes(dir / "m.glb");
     std::uint32_t text = 0;
     std::memcpy(&text, bytes.data() + 12, sizeof text);
     const nlohmann::json json = nlohmann::json::parse(bytes.substr(20, text));

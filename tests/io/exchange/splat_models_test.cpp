@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "support/data.h"
+#include "support/image_bytes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/distributed.h"
@@ -20,14 +20,6 @@
 namespace vog::test {
 
 namespace {
-
-std::string whole(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-void save(const std::filesystem::path& file, const std::string& bytes) {
-    std::ofstream(file, std::ios::binary) << bytes;
-}
 
 Splats some_splats() {
     const Gaussians model = random_gaussians(150, 0.02, 0.2, 4);
@@ -143,16 +135,16 @@ TEST(splat_models, spz_of_version_2_with_harmonics) {
     bytes += "abc";                                                   // colour
     bytes += std::string("\xa0\x90\xa0", 3);                          // logarithms 0, -1, 0
     bytes += std::string("\xff\x7f\x7f", 3);                          // about x, half a turn
-    save(dir / "m.spz", gzipped(bytes + std::string(9, '\x80')));
+    write_bytes(dir / "m.spz", gzipped(bytes + std::string(9, '\x80')));
     const Gaussians read = read_model(dir / "m.spz");
     ASSERT_EQ(read.size(), 1u);
     EXPECT_EQ(read.mean[0], (Vec3f{1, -1, 0.5f}));
     EXPECT_FLOAT_EQ(read.scale[0].x, 1);
     EXPECT_FLOAT_EQ(read.scale[0].y, std::exp(-1.0f));
     EXPECT_NEAR(read.rotation[0].x, 1, 1e-3);
-    save(dir / "short.spz", gzipped(bytes));
+    write_bytes(dir / "short.spz", gzipped(bytes));
     EXPECT_NE(refusal([&] { read_model(dir / "short.spz"); }).find("truncated"), std::string::npos);
-    save(dir / "long.spz", gzipped(bytes + std::string(10, '\x80')));
+    write_bytes(dir / "long.spz", gzipped(bytes + std::string(10, '\x80')));
     EXPECT_NE(refusal([&] { read_model(dir / "long.spz"); }).find("longer than"),
               std::string::npos);
     for (const auto& [at, value, word] : {std::tuple{4u, '\4', "version 4"},
@@ -161,11 +153,11 @@ TEST(splat_models, spz_of_version_2_with_harmonics) {
                                           {11u, '\x7f', "splats in"}}) {
         std::string other = bytes + std::string(9, '\x80');
         other[at] = value;
-        save(dir / "other.spz", gzipped(other));
+        write_bytes(dir / "other.spz", gzipped(other));
         EXPECT_NE(refusal([&] { read_model(dir / "other.spz"); }).find(word), std::string::npos)
             << word;
     }
-    save(dir / "plain.spz", bytes);
+    write_bytes(dir / "plain.spz", bytes);
     EXPECT_NE(refusal([&] { read_model(dir / "plain.spz"); }).find("version 2 without gzip"),
               std::string::npos);
 }
@@ -175,7 +167,7 @@ TEST(splat_models, spz_of_version_4_holds_the_columns_of_version_3) {
     const TempDir dir;
     const Splats splats = some_splats();
     write_splats(dir / "m.spz", splats);
-    const std::string three = gunzipped(whole(dir / "m.spz"));
+    const std::string three = gunzipped(read_bytes(dir / "m.spz"));
     const auto number = [](std::uint64_t value, std::size_t bytes) {
         std::string text(reinterpret_cast<const char*>(&value), bytes);
         return text;
@@ -212,7 +204,7 @@ TEST(splat_models, spz_of_version_4_holds_the_columns_of_version_3) {
     const Gaussians expected = read_model(dir / "m.spz");
     for (const std::size_t harmonics : {0u, 1u, 4u})
         for (const std::string& extension : {std::string(), std::string(20, 'e')}) {
-            save(dir / "four.spz", made(harmonics, extension));
+            write_bytes(dir / "four.spz", made(harmonics, extension));
             const Gaussians read = read_model(dir / "four.spz");
             EXPECT_EQ(read.mean, expected.mean);
             EXPECT_EQ(read.scale, expected.scale);
@@ -223,7 +215,7 @@ TEST(splat_models, spz_of_version_4_holds_the_columns_of_version_3) {
         }
     const std::string good = made(1, "");
     for (std::size_t size = 0; size < good.size(); size += 61) {
-        save(dir / "cut.spz", good.substr(0, size));
+        write_bytes(dir / "cut.spz", good.substr(0, size));
         EXPECT_NE(refusal([&] { read_model(dir / "cut.spz"); }).find("truncated"),
                   std::string::npos)
             << size;
@@ -237,7 +229,7 @@ TEST(splat_models, spz_of_version_4_holds_the_columns_of_version_3) {
                                           {128u, 'x', "version 4"}}) {
         std::string bad = good;
         bad[at] = value;
-        save(dir / "bad.spz", bad);
+        write_bytes(dir / "bad.spz", bad);
         const std::string message = refusal([&] { read_model(dir / "bad.spz"); });
         EXPECT_NE(message.find(word), std::string::npos) << at << message;
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
@@ -247,11 +239,11 @@ TEST(splat_models, spz_of_version_4_holds_the_columns_of_version_3) {
 TEST(splat_models, a_glb_without_scenes_has_its_root_nodes) {
     const TempDir dir;
     write_splats(dir / "m.glb", some_splats());
-    save(dir / "moved.glb", changed_glb(whole(dir / "m.glb"), [](nlohmann::json& json) {
-             json.erase("scenes"), json.erase("scene");
-             json["nodes"] = {{{"mesh", 0}, {"translation", {1, 0, 0}}},
-                              {{"children", {0}}, {"translation", {2, 0, 0}}}};
-         }));
+    write_bytes(dir / "moved.glb", changed_glb(read_bytes(dir / "m.glb"), [](nlohmann::json& json) {
+                    json.erase("scenes"), json.erase("scene");
+                    json["nodes"] = {{{"mesh", 0}, {"translation", {1, 0, 0}}},
+                                     {{"children", {0}}, {"translation", {2, 0, 0}}}};
+                }));
     const Gaussians plain = read_model(dir / "m.glb"), read = read_model(dir / "moved.glb");
     ASSERT_EQ(read.size(), plain.size());
     EXPECT_NEAR(read.mean[0].x, plain.mean[0].x + 3, 1e-6);
@@ -295,10 +287,11 @@ TEST(splat_models, nodes_place_their_splats) {
     write_splats(dir / "m.glb", splats);
     const float r = std::sqrt(0.5f);
     // A quarter turn about z and a factor of 2, below a node that moves.
-    save(dir / "placed.glb", changed_glb(whole(dir / "m.glb"), [&](nlohmann::json& json) {
-             json["nodes"] = {{{"translation", {10, 0, 0}}, {"children", {1}}},
-                              {{"rotation", {0, 0, r, r}}, {"scale", {2, 2, 2}}, {"mesh", 0}}};
-         }));
+    write_bytes(
+        dir / "placed.glb", changed_glb(read_bytes(dir / "m.glb"), [&](nlohmann::json& json) {
+            json["nodes"] = {{{"translation", {10, 0, 0}}, {"children", {1}}},
+                             {{"rotation", {0, 0, r, r}}, {"scale", {2, 2, 2}}, {"mesh", 0}}};
+        }));
     const Gaussians read = read_model(dir / "placed.glb");
     for (std::size_t i = 0; i < splats.size(); ++i) {
         const Vec3f m = splats.mean[i];
@@ -317,9 +310,9 @@ TEST(splat_models, nodes_place_their_splats) {
 TEST(splat_models, files_that_are_no_plain_splats_are_refused) {
     const TempDir dir;
     write_splats(dir / "m.glb", some_splats());
-    const std::string glb = whole(dir / "m.glb");
+    const std::string glb = read_bytes(dir / "m.glb");
     const auto message = [&](const std::function<void(nlohmann::json&)>& change) {
-        save(dir / "bad.glb", changed_glb(glb, change));
+        write_bytes(dir / "bad.glb", changed_glb(glb, change));
         return refusal([&] { read_model(dir / "bad.glb"); });
     };
     using nlohmann::json;
@@ -357,7 +350,7 @@ TEST(splat_models, files_that_are_no_plain_splats_are_refused) {
         EXPECT_EQ(text.find('\n'), std::string::npos) << text;
     }
     for (const std::size_t size : {0ul, 11ul, 19ul, 40ul, glb.size() / 2, glb.size() - 1}) {
-        save(dir / "cut.glb", glb.substr(0, size));
+        write_bytes(dir / "cut.glb", glb.substr(0, size));
         EXPECT_NE(refusal([&] { read_model(dir / "cut.glb"); }), "no error") << size;
     }
     EXPECT_NE(refusal([&] {

@@ -1,9 +1,8 @@
 // usd_test.cpp: splats of OpenUSD as text: the numbers that were written, prims that are not drawn, refusals.
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "support/data.h"
+#include "support/image_bytes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/exchange.h"
@@ -13,22 +12,14 @@ namespace vog::test {
 
 namespace {
 
-std::string whole(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-void save(const std::filesystem::path& file, const std::string& bytes) {
-    std::ofstream(file, std::ios::binary) << bytes;
-}
-
-Splats some_splats(int count = 150) {
+Splats random_splats(int count = 150) {
     return splats_of(random_gaussians(count, 0.02, 0.2, 4), {}, {3, false});
 }
 
 /// Message of the reader for a layer's text behind its first line.
 std::string text_refusal(const std::string& text) {
     const TempDir dir;
-    save(dir / "m.usda", "#usda 1.0\n" + text);
+    write_bytes(dir / "m.usda", "#usda 1.0\n" + text);
     return refusal([&] { read_model(dir / "m.usda"); });
 }
 
@@ -51,10 +42,10 @@ std::string prim(const std::string& lines) {
 
 TEST(usd, text_holds_the_numbers_of_the_splats) {
     const TempDir dir;
-    const Splats splats = some_splats();
+    const Splats splats = random_splats();
     write_splats(dir / "m.usda", splats);
     write_splats(dir / "m.glb", splats);
-    save(dir / "text.usd", whole(dir / "m.usda"));
+    write_bytes(dir / "text.usd", read_bytes(dir / "m.usda"));
     const Gaussians glb = read_model(dir / "m.glb");
     for (const char* name : {"m.usda", "text.usd"}) {
         const Gaussians read = read_model(dir / name);
@@ -72,34 +63,35 @@ TEST(usd, text_holds_the_numbers_of_the_splats) {
 
 TEST(usd, layers_of_other_programs) {
     const TempDir dir;
-    save(dir / "m.usda",
-         "#usda 1.0\n(\n    doc = \"\"\"lines ) of\ntext\"\"\"\n    subLayers = [@a)b.usda@]\n)\n"
-         "# a comment {\n"
-         "over \"Ignored\" { " +
-             two() +
-             "}\n"
-             "class ParticleField3DGaussianSplat \"Class\" {\n" +
-             two() +
-             "}\n"
-             "def Xform \"World\" (\n    kind = 'group'\n    customData = { string a = \"}\" "
-             "}\n)\n{\n"
-             "    rel proxyPrim = </World/S>\n"
-             "    uniform token[] xformOpOrder = []\n"
-             "    double3 xformOp:translate = (1, 2, 3)\n"
-             "    variantSet \"look\" = { \"a\" { float x = 1 } \"b\" (doc = \"}\") { } }\n"
-             "    def ParticleField3DGaussianSplat \"Off\" ( active = false ) {\n" +
-             two() +
-             "    }\n"
-             "    def ParticleField3DGaussianSplat \"Half\" (prepend apiSchemas = [\"X\"])\n    {\n"
-             "        custom float unknown ( doc = \"no value\" )\n"
-             "        point3h[] positionsh = [(7, 8, 9),]\n"
-             "        quath[] orientationsh = [(1, 0, 0, 0)]; half3[] scalesh = [(1, 1, 2)]\n"
-             "        half[] opacitiesh = [0.5] ( interpolation = \"vertex\" )\n"
-             "        half[] opacitiesh.connect = </World/S.a>\n"
-             "        float[] unknown.timeSamples = { 0: [1, 2], 1: [3] }\n    }\n"
-             "    def ParticleField3DGaussianSplat \"S\" {\n        point3h[] positionsh = [(0, 0, "
-             "0)]\n" +
-             two() + "        point3h[] positionsh = [(0, 0, 0)]\n    }\n}\n");
+    write_bytes(
+        dir / "m.usda",
+        "#usda 1.0\n(\n    doc = \"\"\"lines ) of\ntext\"\"\"\n    subLayers = [@a)b.usda@]\n)\n"
+        "# a comment {\n"
+        "over \"Ignored\" { " +
+            two() +
+            "}\n"
+            "class ParticleField3DGaussianSplat \"Class\" {\n" +
+            two() +
+            "}\n"
+            "def Xform \"World\" (\n    kind = 'group'\n    customData = { string a = \"}\" "
+            "}\n)\n{\n"
+            "    rel proxyPrim = </World/S>\n"
+            "    uniform token[] xformOpOrder = []\n"
+            "    double3 xformOp:translate = (1, 2, 3)\n"
+            "    variantSet \"look\" = { \"a\" { float x = 1 } \"b\" (doc = \"}\") { } }\n"
+            "    def ParticleField3DGaussianSplat \"Off\" ( active = false ) {\n" +
+            two() +
+            "    }\n"
+            "    def ParticleField3DGaussianSplat \"Half\" (prepend apiSchemas = [\"X\"])\n    {\n"
+            "        custom float unknown ( doc = \"no value\" )\n"
+            "        point3h[] positionsh = [(7, 8, 9),]\n"
+            "        quath[] orientationsh = [(1, 0, 0, 0)]; half3[] scalesh = [(1, 1, 2)]\n"
+            "        half[] opacitiesh = [0.5] ( interpolation = \"vertex\" )\n"
+            "        half[] opacitiesh.connect = </World/S.a>\n"
+            "        float[] unknown.timeSamples = { 0: [1, 2], 1: [3] }\n    }\n"
+            "    def ParticleField3DGaussianSplat \"S\" {\n        point3h[] positionsh = [(0, 0, "
+            "0)]\n" +
+            two() + "        point3h[] positionsh = [(0, 0, 0)]\n    }\n}\n");
     const Gaussians read = read_model(dir / "m.usda");
     ASSERT_EQ(read.size(), 3u);
     EXPECT_EQ(read.mean[0], (Vec3f{7, 8, 9}));
@@ -151,11 +143,11 @@ TEST(usd, text_that_is_no_plain_splats_is_refused) {
 
 TEST(usd, files_cut_anywhere_are_refused) {
     const TempDir dir;
-    write_splats(dir / "m.usda", some_splats(2));
-    const std::string bytes = whole(dir / "m.usda");
+    write_splats(dir / "m.usda", random_splats(2));
+    const std::string bytes = read_bytes(dir / "m.usda");
     // Text ends with a bracket and a newline, which may be missing.
     for (std::size_t size = 0; size + 2 <= bytes.size(); size += 5) {
-        save(dir / "cut.usda", bytes.substr(0, size));
+        write_bytes(dir / "cut.usda", bytes.substr(0, size));
         const std::string message = refusal([&] { read_model(dir / "cut.usda"); });
         ASSERT_NE(message.find("cut.usda"), std::string::npos) << size << message;
     }
@@ -166,13 +158,13 @@ TEST(usd, binary_layers_are_refused_with_the_line_that_makes_text_of_them) {
     for (const char* name : {"m.usdc", "m.usd"}) {
         std::string layer = "PXR-USDC";
         layer.resize(90, '\0');
-        save(dir / name, layer);
+        write_bytes(dir / name, layer);
         const std::string file = (dir / name).string(), text = (dir / "m.usda").string();
         EXPECT_EQ(refusal([&] { read_model(dir / name); }),
                   file + ": OpenUSD's binary layer, expected one of text: usdcat " + file + " -o " +
                       text);
     }
-    save(dir / "m.usd", "PXR-USDX");
+    write_bytes(dir / "m.usd", "PXR-USDX");
     EXPECT_NE(refusal([&] { read_model(dir / "m.usd"); }).find("not a layer of OpenUSD"),
               std::string::npos);
 }

@@ -8,11 +8,11 @@
 
 #include <array>
 #include <bit>
-#include <fstream>
 #include <limits>
 
 #include "io/scan/scan_files.h"
 #include "support/data.h"
+#include "support/image_bytes.h"
 #include "support/larger_than_memory.h"
 #include "support/random_volume.h"
 #include "vog/error.h"
@@ -25,6 +25,7 @@ namespace vog {
 namespace {
 
 using nanovdb::io::Codec;
+using test::read_bytes, test::write_bytes;
 using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
 /// Grid with a few leaves on both sides of a root border, and a tile of each size.
@@ -47,15 +48,6 @@ Handle nano(const openvdb::GridBase::Ptr& grid,
 
 void write(const std::filesystem::path& file, const Handle& handle, Codec codec = Codec::NONE) {
     nanovdb::io::writeGrid(file.string(), handle, codec);
-}
-
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
-    std::ofstream(file, std::ios::binary) << bytes;
 }
 
 /// Message of read_nvdb about a file that it refuses.
@@ -184,7 +176,7 @@ TEST(nvdb, grids_are_chosen_by_name) {
     expect_says(refusal(file, options), "no grid named 'smoke' (it has: density, heat)");
 
     // Two segments in one file.
-    const auto once = bytes_of(file);
+    const auto once = read_bytes(file);
     write_bytes(file, once + once);
     options.grid = "heat";
     expect_says(refusal(file, options),
@@ -287,7 +279,7 @@ TEST(nvdb, foreign_and_other_versions_are_named) {
     expect_says(refusal(file), "not a NanoVDB file");
 
     write(file, nano(grid_from_volume(small_volume())), Codec::ZIP);
-    const std::string whole = bytes_of(file);
+    const std::string whole = read_bytes(file);
     const auto with_version = [&](std::uint32_t version) {
         std::string bytes = whole;
         bytes.replace(8, 4, {reinterpret_cast<const char*>(&version), 4});
@@ -332,7 +324,7 @@ TEST(nvdb, checksums_find_changed_bytes) {
     const auto grid = grid_from_volume(small_volume());
     const auto with_flipped = [&](nanovdb::ChecksumMode mode, std::size_t from_end) {
         write(file, nano(grid, mode));
-        std::string bytes = bytes_of(file);
+        std::string bytes = read_bytes(file);
         bytes[bytes.size() - from_end] ^= 1;
         write_bytes(file, bytes);
         return refusal(file);
@@ -355,7 +347,7 @@ TEST(nvdb, random_damage_never_does_more_than_throw) {
     for (const Codec codec : {Codec::NONE, Codec::ZIP, Codec::BLOSC}) {
         // Without a checksum, so that changed bytes reach the check of the tree.
         write(file, nano(grid_from_volume(small_volume()), nanovdb::ChecksumMode::Disable), codec);
-        const std::string whole = bytes_of(file);
+        const std::string whole = read_bytes(file);
         int refused = 0;
         for (int trial = 0; trial < 80; ++trial) {
             std::string bytes = whole;

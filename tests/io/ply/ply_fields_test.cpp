@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <sstream>
 
 #include "support/data.h"
 #include "support/field_models.h"
+#include "support/image_bytes.h"
 #include "support/scenes.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -16,17 +16,10 @@ namespace vog::test {
 
 namespace {
 
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream bytes;
-    bytes << in.rdbuf();
-    return bytes.str();
-}
-
 /// Error of reading a file in which `from` is replaced by `to`.
-std::string error_of(const std::filesystem::path& file, const std::string& from,
-                     const std::string& to) {
-    std::string bytes = bytes_of(file);
+std::string error_of_changed(const std::filesystem::path& file, const std::string& from,
+                             const std::string& to) {
+    std::string bytes = read_bytes(file);
     const std::size_t at = bytes.find(from);
     if (at == std::string::npos) return "nothing to replace";
     bytes.replace(at, from.size(), to);
@@ -64,7 +57,7 @@ TEST(ply_fields, come_back_bit_for_bit_under_their_names) {
         EXPECT_EQ(read_ply(dir / "m.ply").density, model.density);
         EXPECT_EQ(std::filesystem::file_size(dir / "m.ply"), ply_bytes(model));
     }
-    const std::string bytes = bytes_of(dir / "m.ply");
+    const std::string bytes = read_bytes(dir / "m.ply");
     for (const char* line :
          {"comment field scalar temperature -0.3333333333333333 1500.1 K\n",
           "comment field scalar density 0 1e+300\n",
@@ -85,7 +78,7 @@ TEST(ply_fields, are_read_in_any_order_of_properties_and_by_parts) {
     expect_same_fields(joined.fields, model.fields);
 
     // Values follow their names: two properties change places.
-    std::string bytes = bytes_of(dir / "m.ply");
+    std::string bytes = read_bytes(dir / "m.ply");
     const std::string gx = "property float temperature_gx\n",
                       gy = "property float temperature_gy\n";
     bytes.replace(bytes.find(gx + gy), gx.size() + gy.size(), gy + gx);
@@ -137,7 +130,7 @@ TEST(ply_fields, what_does_not_fit_is_refused_by_name) {
     const Hierarchy tree = build_hierarchy(model);
     write_ply(dir / "m.ply", model, tree);
     const auto refused = [&](const std::string& from, const std::string& to) {
-        return error_of(dir / "m.ply", from, to);
+        return error_of_changed(dir / "m.ply", from, to);
     };
     EXPECT_EQ(refused("property float temperature\n", "property float heat\n"),
               "unknown property 'heat'");
@@ -178,7 +171,7 @@ TEST(ply_fields, what_does_not_fit_is_refused_by_name) {
         refused("comment field vector", "comment background density inf\ncomment field vector"),
         "field 'density': background inf, expected a finite number");
     // The nodes' properties are those of the vertices.
-    std::string bytes = bytes_of(dir / "m.ply");
+    std::string bytes = read_bytes(dir / "m.ply");
     const std::string line = "property float temperature_sd\n";
     const std::size_t second = bytes.find(line, bytes.find(line) + 1);
     ASSERT_NE(second, std::string::npos);

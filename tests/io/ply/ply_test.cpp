@@ -7,11 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <functional>
-#include <sstream>
 
 #include "support/data.h"
+#include "support/image_bytes.h"
 #include "support/scenes.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -20,18 +19,7 @@ namespace vog::test {
 
 namespace {
 
-std::string read_bytes(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream bytes;
-    bytes << in.rdbuf();
-    return bytes.str();
-}
-
-void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
-    std::ofstream(file, std::ios::binary) << bytes;
-}
-
-std::string error_of(const std::filesystem::path& file) {
+std::string ply_error(const std::filesystem::path& file) {
     try {
         read_ply(file);
     } catch (const Error& error) {
@@ -135,13 +123,13 @@ TEST(ply, a_truncated_or_foreign_hierarchy_throws) {
     const std::string bytes = read_bytes(dir / "whole.ply");
     for (std::size_t length = 0; length < bytes.size(); ++length) {
         write_bytes(dir / "cut.ply", bytes.substr(0, length));
-        ASSERT_NE(error_of(dir / "cut.ply").find("cut.ply: "), std::string::npos) << length;
+        ASSERT_NE(ply_error(dir / "cut.ply").find("cut.ply: "), std::string::npos) << length;
     }
     const auto error_with = [&](const std::string& from, const std::string& to) {
         std::string changed = bytes;
         changed.replace(changed.find(from), from.size(), to);
         write_bytes(dir / "changed.ply", changed);
-        return error_of(dir / "changed.ply");
+        return ply_error(dir / "changed.ply");
     };
     const std::string element = "element node " + std::to_string(tree.size());
     EXPECT_NE(error_with(element, "element node 4611686018427387904").find("truncated"),
@@ -240,10 +228,10 @@ TEST(ply, every_truncation_length_throws) {
     const std::string bytes = read_bytes(dir / "whole.ply");
     for (std::size_t length = 0; length < bytes.size(); ++length) {
         write_bytes(dir / "cut.ply", bytes.substr(0, length));
-        ASSERT_NE(error_of(dir / "cut.ply").find("cut.ply: "), std::string::npos) << length;
+        ASSERT_NE(ply_error(dir / "cut.ply").find("cut.ply: "), std::string::npos) << length;
     }
     write_bytes(dir / "cut.ply", bytes + "x");
-    EXPECT_NE(error_of(dir / "cut.ply").find("too long"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "cut.ply").find("too long"), std::string::npos);
 }
 
 TEST(ply, a_count_beyond_the_file_is_refused_before_it_is_allocated) {
@@ -258,7 +246,7 @@ TEST(ply, a_count_beyond_the_file_is_refused_before_it_is_allocated) {
                                 "comment cutoff 2.25\n");
     bytes.replace(bytes.find("vertex 1"), 8, "vertex 4611686018427387904");
     write_bytes(dir / "huge.ply", bytes);
-    EXPECT_NE(error_of(dir / "huge.ply").find("truncated"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "huge.ply").find("truncated"), std::string::npos);
 }
 
 TEST(ply, 3dgs_files_are_taken_by_name) {
@@ -376,7 +364,7 @@ TEST(ply, splats_are_read_by_name_from_every_ply) {
                     const std::string bytes = file(kind, type, more, end);
                     std::filesystem::remove(dir / "p.ply");
                     write_bytes(dir / "p.ply", bytes);
-                    EXPECT_EQ(error_of(dir / "p.ply"), "no error") << bytes.substr(0, 60);
+                    EXPECT_EQ(ply_error(dir / "p.ply"), "no error") << bytes.substr(0, 60);
                     const Gaussians model = read_ply(dir / "p.ply");
                     ASSERT_EQ(model.size(), 2u);
                     EXPECT_EQ(model.mean[1], (Vec3f{2, 2, 3}));
@@ -387,15 +375,15 @@ TEST(ply, splats_are_read_by_name_from_every_ply) {
                         std::filesystem::remove(dir / "p.ply");
                         write_bytes(dir / "p.ply", bytes.substr(0, size));
                         if (!more) {
-                            EXPECT_NE(error_of(dir / "p.ply"), "no error") << size;
+                            EXPECT_NE(ply_error(dir / "p.ply"), "no error") << size;
                         }
                     }
                 }
     // Without scales it is no model.
     write_bytes(dir / "cloud.ply", one_row({{"x", 0}, {"y", 0}, {"z", 0}, {"red", 1}}));
-    EXPECT_NE(error_of(dir / "cloud.ply").find("points without scales"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "cloud.ply").find("points without scales"), std::string::npos);
     write_bytes(dir / "packed.ply", one_row({{"packed_position", 0}}));
-    EXPECT_NE(error_of(dir / "packed.ply").find("SuperSplat"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "packed.ply").find("SuperSplat"), std::string::npos);
 }
 
 TEST(ply, what_it_does_not_understand_is_refused_by_name) {
@@ -407,7 +395,7 @@ TEST(ply, what_it_does_not_understand_is_refused_by_name) {
         auto all = base;
         all.insert(all.end(), more.begin(), more.end());
         write_bytes(dir / "p.ply", one_row(all, comments));
-        return error_of(dir / "p.ply");
+        return ply_error(dir / "p.ply");
     };
     EXPECT_EQ(with({{"density", 1}}), "no error");
     EXPECT_NE(with({{"density", 1}}, "").find("comment cutoff"), std::string::npos);
@@ -449,10 +437,10 @@ TEST(ply, what_it_does_not_understand_is_refused_by_name) {
         text.insert(text.find("end_"), "property float " + name + "\n");
     text.replace(text.find("binary_little_endian"), 20, "ascii");
     write_bytes(dir / "p.ply", text);
-    EXPECT_NE(error_of(dir / "p.ply").find("format 'ascii'"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "p.ply").find("format 'ascii'"), std::string::npos);
     write_bytes(dir / "p.ply", "PNG");
-    EXPECT_NE(error_of(dir / "p.ply").find("not a PLY file"), std::string::npos);
-    EXPECT_NE(error_of(dir / "absent.ply").find("no such file"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "p.ply").find("not a PLY file"), std::string::npos);
+    EXPECT_NE(ply_error(dir / "absent.ply").find("no such file"), std::string::npos);
 }
 
 TEST(ply, a_failed_write_leaves_the_old_file) {

@@ -38,7 +38,7 @@ std::vector<float> ball_in(const std::function<double()>& empty,
     return values;
 }
 
-struct Random {
+struct Draws {
     std::mt19937 generator{7};
     std::function<double()> normal(double mean, double deviation) {
         return [this, mean, deviation] {
@@ -71,7 +71,7 @@ Read read_raw(const TempDir& dir, const std::vector<float>& values, const std::s
 
 TEST(scan_background, air_of_hounsfield_units_is_minus_1000) {
     const TempDir dir;
-    Random random;
+    Draws random;
     std::vector<float> values = ball_in(random.normal(-1000, 15), constant(40));
     for (std::size_t n = 0; n < 100; ++n) values[n] = -3024;  // padding
     for (const std::string unit : {"", "HU"}) {
@@ -100,7 +100,7 @@ TEST(scan_background, air_of_hounsfield_units_is_minus_1000) {
 
 TEST(scan_background, other_values_of_both_signs_are_no_hounsfield_units) {
     const TempDir dir;
-    Random random;
+    Draws random;
     for (const auto& [values, unit] :
          {std::pair{ball_in(random.normal(0, 400), constant(40)), "km/s"},
           {ball_in(random.normal(0, 400), constant(40)), ""},
@@ -112,7 +112,7 @@ TEST(scan_background, other_values_of_both_signs_are_no_hounsfield_units) {
 
 TEST(scan_background, noise_ends_four_deviations_above_its_mode) {
     const TempDir dir;
-    Random random;
+    Draws random;
     const auto [volume, notes] =
         read_raw(dir, ball_in(random.normal(100, 5), random.normal(900, 100)));
     // The quantile of whole numbers moves the deviation by one.
@@ -131,7 +131,7 @@ TEST(scan_background, noise_ends_four_deviations_above_its_mode) {
 
 TEST(scan_background, is_0_where_no_noise_is_sure) {
     const TempDir dir;
-    Random random;
+    Draws random;
     std::uniform_real_distribution<> uniform(0, 1);
     const auto even = [&] { return uniform(random.generator); };
     const auto log_normal = [&] {
@@ -153,7 +153,7 @@ TEST(scan_background, is_0_where_no_noise_is_sure) {
 
 TEST(scan_background, a_stated_one_counts_and_is_not_reported) {
     const TempDir dir;
-    Random random;
+    Draws random;
     const std::vector<float> values = ball_in(random.normal(100, 5), constant(900));
     for (const double stated : {0.0, 250.0}) {
         VdbOptions options;

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "support/data.h"
 #include "support/field_models.h"
+#include "support/image_bytes.h"
 #include "support/refusal.h"
 #include "support/refused_files.h"
 #include "support/scenes.h"
@@ -72,11 +73,6 @@ Gaussians with_fields(int count, std::uint64_t seed) {
     Gaussians model = random_gaussians(count, 0.02, 0.06, seed);
     add_random_fields(model, seed);
     return model;
-}
-
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace
@@ -210,7 +206,7 @@ TEST(vogz, same_bytes_for_any_number_of_threads) {
         write_vogz(dir / "one.vogz", model);
     }
     write_vogz(dir / "all.vogz", model);
-    EXPECT_EQ(bytes_of(dir / "one.vogz"), bytes_of(dir / "all.vogz"));
+    EXPECT_EQ(read_bytes(dir / "one.vogz"), read_bytes(dir / "all.vogz"));
 }
 
 TEST(vogz, hierarchies_come_back) {
@@ -347,7 +343,7 @@ TEST(vogz, bad_files_are_refused) {
     model.fields.vector.clear();
     const Hierarchy hierarchy = build_hierarchy(model);
     write_vogz(dir / "m.vogz", model, hierarchy);
-    const std::string bytes = bytes_of(dir / "m.vogz");
+    const std::string bytes = read_bytes(dir / "m.vogz");
     const auto read = [](const std::filesystem::path& file) {
         Hierarchy nodes;
         read_vogz(file, &nodes);

@@ -2,12 +2,11 @@
 // refused trees.
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "io/byte_source.h"
 #include "io/vogz/file_table.h"
 #include "support/data.h"
 #include "support/field_models.h"
+#include "support/image_bytes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/vogz.h"
@@ -25,13 +24,7 @@ FileTable table_of(const std::filesystem::path& file) {
 
 /// Bytes of a file behind its header.
 std::string body_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string all{std::istreambuf_iterator<char>(in), {}};
-    return all.substr(table_of(file).body_offset);
-}
-
-void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
-    std::ofstream(file, std::ios::binary) << bytes;
+    return read_bytes(file).substr(table_of(file).body_offset);
 }
 
 /// A run of Gaussians or nodes, and its place in the order of its kind.

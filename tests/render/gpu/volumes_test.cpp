@@ -17,7 +17,7 @@ namespace vog::test {
 
 namespace {
 
-constexpr int kWidth = 15, kHeight = 12;
+constexpr int kVoxelsWidth = 15, kVoxelsHeight = 12;
 
 /// Values about 300 at every voxel of a volume.
 VoxelField random_field(const Volume& volume, std::size_t components, std::uint64_t seed) {
@@ -177,9 +177,9 @@ TEST_F(gpu_volumes, have_the_references_maps_of_fields) {
                         ReferenceOptions options;
                         options.samples = 1 + static_cast<int>(view % 2);
                         if (view++ % 3) options.clip = clip_of(box);
-                        expect_same(gpu.fields(part, camera, kWidth, kHeight, options),
-                                    render_field_reference(volumes, fields, part, camera, kWidth,
-                                                           kHeight, options));
+                        expect_same(gpu.fields(part, camera, kVoxelsWidth, kVoxelsHeight, options),
+                                    render_field_reference(volumes, fields, part, camera,
+                                                           kVoxelsWidth, kVoxelsHeight, options));
                     }
                 EXPECT_GE(gpu.gpu_ms(), 0);
             });
@@ -206,9 +206,10 @@ TEST_F(gpu_volumes, by_value_are_the_references) {
                 if (view == 2) options.clip = clip_of(box);
                 ++view;
                 const VolumeImage found =
-                    gpu.volume(transfer, camera, kWidth, kHeight, options, look);
-                expect_same(found, render_volume_reference(volumes, fields, transfer, camera,
-                                                           kWidth, kHeight, options, look));
+                    gpu.volume(transfer, camera, kVoxelsWidth, kVoxelsHeight, options, look);
+                expect_same(found,
+                            render_volume_reference(volumes, fields, transfer, camera, kVoxelsWidth,
+                                                    kVoxelsHeight, options, look));
             }
         });
     };
@@ -238,10 +239,11 @@ TEST_F(gpu_volumes, of_maxima_are_the_references) {
             ReferenceOptions options;
             options.samples = view == 1 ? 3 : 1;
             if (view++ == 2) options.clip = clip_of(box);
-            const ValueMap expected =
-                render_maximum_reference(volumes, fields, camera, kWidth, kHeight, options);
+            const ValueMap expected = render_maximum_reference(
+                volumes, fields, camera, kVoxelsWidth, kVoxelsHeight, options);
             EXPECT_GT(largest_of(expected.value), 300);
-            expect_same(gpu.maximum(camera, kWidth, kHeight, options).value, expected.value, 1e-4);
+            expect_same(gpu.maximum(camera, kVoxelsWidth, kVoxelsHeight, options).value,
+                        expected.value, 1e-4);
         }
     });
 }
@@ -250,7 +252,7 @@ TEST_F(gpu_volumes, have_the_references_depth_with_clips) {
     const Volume volume = leaves_and_tiles(12, grid_maps()[1].second);
     const Box box = box_of_leaves(volume);
     const vog::Scene scene = scene_of(volume);
-    PictureRequest request{.width = kWidth, .height = kHeight};
+    PictureRequest request{.width = kVoxelsWidth, .height = kVoxelsHeight};
     request.options.clip = clip_of(box);
     request.options.samples = 2;
     for (const Camera& camera : cameras_of(box)) {
@@ -282,15 +284,15 @@ TEST_F(gpu_volumes, of_levels_are_the_references) {
         each_traversal([&] {
             GpuVolumes gpu(levels, fields);
             // Of cut voxels the reference has moments in floats (render/reference/reference.h): 3e-4 of the field's range, ten.
-            expect_same(
-                gpu.fields(FieldPart::view, camera, kWidth, kHeight),
-                render_field_reference(levels, fields, FieldPart::view, camera, kWidth, kHeight),
-                lower == 2.5 ? 1e-6 : 3e-3);
+            expect_same(gpu.fields(FieldPart::view, camera, kVoxelsWidth, kVoxelsHeight),
+                        render_field_reference(levels, fields, FieldPart::view, camera,
+                                               kVoxelsWidth, kVoxelsHeight),
+                        lower == 2.5 ? 1e-6 : 3e-3);
             GpuVolumes plain(levels, owns);
-            const FieldMaps expected =
-                render_field_reference(levels, owns, FieldPart::value, camera, kWidth, kHeight);
-            expect_same(plain.fields(FieldPart::value, camera, kWidth, kHeight).mean, expected.mean,
-                        1e-6);
+            const FieldMaps expected = render_field_reference(levels, owns, FieldPart::value,
+                                                              camera, kVoxelsWidth, kVoxelsHeight);
+            expect_same(plain.fields(FieldPart::value, camera, kVoxelsWidth, kVoxelsHeight).mean,
+                        expected.mean, 1e-6);
         });
     }
 }

@@ -13,6 +13,7 @@
 #include "render/trace/trace.h"
 #include "support/field_models.h"
 #include "support/gpus.h"
+#include "support/made_fields.h"
 #include "support/model_psnr.h"
 #include "support/scenes.h"
 #include "vog/convert_fields.h"
@@ -43,11 +44,6 @@ Volume cube(int edge, const std::function<bool(Vec3d)>& inside = {}) {
                 }
             }
     return volume;
-}
-VoxelField own() {
-    VoxelField field;
-    field.component.resize(1);
-    return field;
 }
 /// White of one extinction.
 ValueTransfer white(double extinction) {
@@ -239,7 +235,7 @@ TEST(light, opaque_matter_beside_clear_matter_lets_half_of_it_pass) {
 }
 
 /// Pixels along an edge of the pictures that are compared from renderer to renderer.
-constexpr int kEdge = 24;
+constexpr int kLightEdge = 24;
 
 TEST(light, every_renderer_of_models_has_the_same_light) {
     const Gaussians model = colored_model();
@@ -257,16 +253,16 @@ TEST(light, every_renderer_of_models_has_the_same_light) {
             camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
             SlabOptions options;
             options.slabs = 256, options.look = look;
-            const VolumeImage splat =
-                render_volume_splat(model, field.name, transfer, camera, kEdge, kEdge, options);
+            const VolumeImage splat = render_volume_splat(model, field.name, transfer, camera,
+                                                          kLightEdge, kLightEdge, options);
             const VolumeImage trace = render_volume_trace(model, field.name, transfer, camera,
-                                                          kEdge, kEdge, {}, {}, look);
+                                                          kLightEdge, kLightEdge, {}, {}, look);
             EXPECT_GT(psnr(splat, trace), 45);
             for (const Gpu& gpu : gpus()) {
                 gpu.prepare();
                 const VolumeImage picture =
                     GpuPictures(gpu.renderer, model)
-                        .volume(field.name, transfer, camera, kEdge, kEdge, 256, look);
+                        .volume(field.name, transfer, camera, kLightEdge, kLightEdge, 256, look);
                 EXPECT_GT(psnr(splat, picture), 70) << gpu.name;
             }
             camera.look_at = camera.look_at - model.origin, camera.eye = camera.eye - model.origin;
@@ -288,16 +284,16 @@ TEST(light, every_renderer_looks_up_light_before_opaque_matter) {
     Camera camera = from({2, 1.5, 3});
     camera.look_at = camera.look_at + model.origin, camera.eye = camera.eye + model.origin;
     const VolumeImage splat =
-        render_volume_splat(model, field.name, opaque, camera, kEdge, kEdge, options);
+        render_volume_splat(model, field.name, opaque, camera, kLightEdge, kLightEdge, options);
     for (const Gpu& gpu : gpus()) {
         gpu.prepare();
-        const VolumeImage picture =
-            GpuPictures(gpu.renderer, model)
-                .volume(field.name, opaque, camera, kEdge, kEdge, options.slabs, options.look);
+        const VolumeImage picture = GpuPictures(gpu.renderer, model)
+                                        .volume(field.name, opaque, camera, kLightEdge, kLightEdge,
+                                                options.slabs, options.look);
         EXPECT_GT(psnr(splat, picture), 55) << gpu.name;
     }
-    const VolumeImage trace =
-        render_volume_trace(model, field.name, opaque, camera, kEdge, kEdge, {}, {}, options.look);
+    const VolumeImage trace = render_volume_trace(model, field.name, opaque, camera, kLightEdge,
+                                                  kLightEdge, {}, {}, options.look);
     EXPECT_GT(psnr(splat, trace), 25);
 }
 
@@ -338,15 +334,16 @@ TEST(light, of_several_directions_is_the_sum_of_single_ones) {
                 SlabOptions options;
                 options.look = look, options.precision = 0;  // every pixel
                 std::vector<VolumeImage> all{
-                    render_volume_reference({&volume, 1}, {&values, 1}, white(0.3), aside, kEdge,
-                                            kEdge, {}, look),
-                    render_volume_splat(model, field.name, transfer, camera, kEdge, kEdge, options),
-                    render_volume_trace(model, field.name, transfer, camera, kEdge, kEdge, {}, {},
-                                        look)};
+                    render_volume_reference({&volume, 1}, {&values, 1}, white(0.3), aside,
+                                            kLightEdge, kLightEdge, {}, look),
+                    render_volume_splat(model, field.name, transfer, camera, kLightEdge, kLightEdge,
+                                        options),
+                    render_volume_trace(model, field.name, transfer, camera, kLightEdge, kLightEdge,
+                                        {}, {}, look)};
                 for (const Gpu& gpu : gpus()) {
                     gpu.prepare();
                     all.push_back(GpuPictures(gpu.renderer, model)
-                                      .volume(field.name, transfer, camera, kEdge, kEdge,
+                                      .volume(field.name, transfer, camera, kLightEdge, kLightEdge,
                                               options.slabs, look));
                 }
                 return all;

@@ -18,10 +18,10 @@ namespace vog::test {
 namespace {
 
 const Camera kView = paper_view({{-1, -1, -1}, {1, 1, 1}});
-constexpr int kWidth = 40, kHeight = 30;
+constexpr int kBareWidth = 40, kBareHeight = 30;
 
 PictureRequest request_by(Renderer renderer, const Camera& camera = kView) {
-    return {.camera = camera, .width = kWidth, .height = kHeight, .renderer = renderer};
+    return {.camera = camera, .width = kBareWidth, .height = kBareHeight, .renderer = renderer};
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ TEST(bare_depth, is_that_of_splat_and_trace_with_their_options) {
     SplatOptions splat;
     splat.kappa = 0.1;
     EXPECT_EQ(bare_depth(renderer, request).depth,
-              render_splat(model, kView, kWidth, kHeight, splat).depth);
+              render_splat(model, kView, kBareWidth, kBareHeight, splat).depth);
     EXPECT_FALSE(renderer.report().traced);
     request.renderer = Renderer::trace;
     request.options.trace.anyhit = AnyHit::collect;
@@ -43,8 +43,8 @@ TEST(bare_depth, is_that_of_splat_and_trace_with_their_options) {
         bare_depth(renderer, request, [&](double fraction) { done = fraction; });
     EXPECT_EQ(done, 1);
     TraceReport report;
-    EXPECT_EQ(image.depth, render_trace(trace_scene(model, {.kappa = 0.1}), kView, kWidth, kHeight,
-                                        request.options.trace, &report)
+    EXPECT_EQ(image.depth, render_trace(trace_scene(model, {.kappa = 0.1}), kView, kBareWidth,
+                                        kBareHeight, request.options.trace, &report)
                                .depth);
     ASSERT_TRUE(renderer.report().traced);
     EXPECT_EQ(renderer.report().traced->hits, report.hits);
@@ -59,7 +59,7 @@ TEST(bare_depth, is_that_of_cuts_through_a_hierarchy) {
     PictureRequest request = request_by(Renderer::splat);
     request.options.pixel_error = 0;
     EXPECT_EQ(bare_depth(renderer, request).depth,
-              render_splat(*model, kView, kWidth, kHeight).depth);
+              render_splat(*model, kView, kBareWidth, kBareHeight).depth);
     ASSERT_TRUE(renderer.report().cut);
     EXPECT_EQ(renderer.report().cut->drawn(), model->size());
     request.options.pixel_error = 5;
@@ -79,10 +79,10 @@ TEST(bare_depth, is_that_of_volumes_which_add_up_or_hide_each_other) {
         return bare_depth(renderer, request_by(Renderer::reference, camera));
     };
     const std::vector<VoxelGrid> grids{voxel_grid(set.volumes[0]), voxel_grid(set.volumes[1])};
-    const DepthImage sum = render_reference(grids, camera, kWidth, kHeight);
+    const DepthImage sum = render_reference(grids, camera, kBareWidth, kBareHeight);
     EXPECT_EQ(drawn().depth, sum.depth);
     set.overlap = Overlap::hide;
-    const DepthImage mesh = render_reference(level_grids(set), camera, kWidth, kHeight);
+    const DepthImage mesh = render_reference(level_grids(set), camera, kBareWidth, kBareHeight);
     EXPECT_EQ(drawn().depth, mesh.depth);
     EXPECT_NE(sum.depth, mesh.depth);
 }

@@ -63,13 +63,6 @@ std::vector<Rgba> alone(const vog::Scene& scene, const Layer& layer) {
     return render(scene, request).sums.light;
 }
 
-double largest_difference(const std::vector<Rgba>& a, const std::vector<Rgba>& b) {
-    double most = a.size() == b.size() ? 0 : HUGE_VAL;
-    for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n)
-        for (const auto part : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
-            most = std::max(most, std::abs(double{a[n].*part} - double{b[n].*part}));
-    return most;
-}
 /// The first picture in front of the second.
 std::vector<Rgba> in_front(const std::vector<Rgba>& near, const std::vector<Rgba>& far) {
     std::vector<Rgba> all = near;

@@ -166,7 +166,7 @@ TEST(picture_defaults, requests_keep_what_they_state) {
 }
 
 TEST(picture_defaults, axes_have_the_coordinates_that_a_colour_bar_has_beside_it) {
-    const Scene scene = scene_of(Cube(1).volume);
+    const vog::Scene scene = scene_of(Cube(1).volume);
     PictureRequest request;
     request.show = Show::column;
     request.width = request.height = 96;

@@ -16,7 +16,7 @@ namespace vog::test {
 
 namespace {
 
-std::shared_ptr<const Gaussians> some_model() {
+std::shared_ptr<const Gaussians> recorded_model() {
     auto model = std::make_shared<Gaussians>(random_gaussians(20, 0.3, 0.6, 5));
     add_random_fields(*model, 11);
     return model;
@@ -62,7 +62,7 @@ TEST(picture_record, every_key_can_be_null) {
 }
 
 TEST(picture_record, draws_the_same_picture_again) {
-    const vog::Scene scene = scene_of(some_model());
+    const vog::Scene scene = scene_of(recorded_model());
     for (
         const char* json :
         {R"({"size": [40, 30]})",
@@ -84,7 +84,7 @@ TEST(picture_record, draws_the_same_picture_again) {
 TEST(picture_record, lies_in_files_of_pictures) {
     const TempDir folder;
     const Picture picture =
-        render(scene_of(some_model()), request_of_json(R"({"size": [40, 30]})"));
+        render(scene_of(recorded_model()), request_of_json(R"({"size": [40, 30]})"));
     const PictureRecord record{
         picture.made.request, {"däta.ply", "b.ply"}, {{"--grid", {"density"}}}, "9.8"};
     for (const char* name : {"a.png", "a.exr"}) {
@@ -101,7 +101,7 @@ TEST(picture_record, lies_in_files_of_pictures) {
 
 TEST(picture_record, refuses_what_is_none_in_one_line) {
     const TempDir folder;
-    const Picture picture = render(scene_of(some_model()), request_of_json(R"({"size": 8})"));
+    const Picture picture = render(scene_of(recorded_model()), request_of_json(R"({"size": 8})"));
     write_png(folder / "plain.png", picture.image);
     EXPECT_NE(refusal([&] { read_record(folder / "plain.png"); }).find("without a record"),
               std::string::npos);

@@ -20,7 +20,7 @@ namespace vog::test {
 
 namespace {
 
-constexpr int kWidth = 37, kHeight = 29;
+constexpr int kSliceWidth = 37, kSliceHeight = 29;
 
 struct Sum {
     double density = 0, value = 0;  ///< value: density times the field
@@ -31,11 +31,12 @@ std::optional<Vec3d> point_on(const Camera& camera, Vec3d normal, double offset,
                               double row) {
     const Vec3d forward = normalized(camera.look_at - camera.eye);
     const Vec3d right = normalized(cross(forward, camera.up)), up = cross(right, forward);
-    const double edge = camera.orthographic()
-                            ? camera.orthographic_width / kWidth
-                            : 2 * std::tan(camera.fov_degrees * std::numbers::pi / 360) / kHeight;
-    const Vec3d beside =
-        (edge * (column - 0.5 * (kWidth - 1))) * right - (edge * (row - 0.5 * (kHeight - 1))) * up;
+    const double edge =
+        camera.orthographic()
+            ? camera.orthographic_width / kSliceWidth
+            : 2 * std::tan(camera.fov_degrees * std::numbers::pi / 360) / kSliceHeight;
+    const Vec3d beside = (edge * (column - 0.5 * (kSliceWidth - 1))) * right -
+                         (edge * (row - 0.5 * (kSliceHeight - 1))) * up;
     const Vec3d origin = camera.orthographic() ? camera.eye + beside : camera.eye;
     const Vec3d direction = camera.orthographic() ? forward : forward + beside;
     const double t = (offset - dot(normal, origin)) / dot(normal, direction);
@@ -60,7 +61,7 @@ Sum model_at(const Gaussians& model, const BigVector<float>& value, const BigVec
     return sum;
 }
 
-Gaussians some_model(Vec3d origin = {}) {
+Gaussians sliced_model(Vec3d origin = {}) {
     Gaussians model = random_gaussians(60, 0.1, 0.5, 5);
     if (model.rotation.empty()) model.rotation.resize(model.size(), Quat{1, 0, 0, 0});
     add_random_fields(model, 11);
@@ -73,7 +74,7 @@ PictureRequest slice_of(Vec3d normal, double offset, const std::string& field = 
     PictureRequest request;
     request.show = Show::slice;
     request.field = field;
-    request.width = kWidth, request.height = kHeight;
+    request.width = kSliceWidth, request.height = kSliceHeight;
     request.plane = {"", normal, offset};
     return request;
 }
@@ -97,7 +98,7 @@ TEST(slices, of_models_are_the_sum_of_their_gaussians_and_its_mean_field) {
     const Vec3d far{40, 7, -3};
     for (const Vec3d origin : {Vec3d{}, far})
         for (const auto& camera : cameras()) {
-            const Gaussians model = some_model(origin);
+            const Gaussians model = sliced_model(origin);
             const double offset = 0.07 + dot(normal, origin);
             PictureRequest request = slice_of(normal, offset, "temperature");
             request.camera = camera;
@@ -110,9 +111,9 @@ TEST(slices, of_models_are_the_sum_of_their_gaussians_and_its_mean_field) {
             request.field.clear();
             const Picture density = render(scene_of(Gaussians(model)), request);
             int shown = 0;
-            for (int row = 0; row < kHeight; ++row)
-                for (int column = 0; column < kWidth; ++column) {
-                    const auto n = static_cast<std::size_t>(row * kWidth + column);
+            for (int row = 0; row < kSliceHeight; ++row)
+                for (int column = 0; column < kSliceWidth; ++column) {
+                    const auto n = static_cast<std::size_t>(row * kSliceWidth + column);
                     const auto at = point_on(mean.made.camera(), normal, offset, column, row);
                     const bool kept = at && dot({1, 0.2, 0}, *at) >= half.planes[0].offset;
                     const Sum sum =
@@ -131,7 +132,7 @@ TEST(slices, of_models_are_the_sum_of_their_gaussians_and_its_mean_field) {
 }
 
 TEST(slices, of_vector_fields_are_of_their_parts) {
-    const Gaussians model = some_model();
+    const Gaussians model = sliced_model();
     const VectorField& field = model.fields.vector.front();
     const vog::Scene scene = scene_of(Gaussians(model));
     const Vec3d normal{0, 0.6, 0.8};
@@ -151,7 +152,7 @@ TEST(slices, of_vector_fields_are_of_their_parts) {
 }
 
 TEST(slices, averaged_across_are_the_mean_over_planes) {
-    const Gaussians model = some_model();
+    const Gaussians model = sliced_model();
     const ScalarField& field = *model.fields.find_scalar("temperature");
     const Vec3d normal{0.2, -0.5, 1.1};
     constexpr double kThickness = 0.4;
@@ -159,13 +160,13 @@ TEST(slices, averaged_across_are_the_mean_over_planes) {
         PictureRequest request = slice_of(normal, 0.07, name);
         request.thickness = kThickness;
         const Picture thick = render(scene_of(Gaussians(model)), request);
-        for (int pixel = 0; pixel < kWidth * kHeight; pixel += 53) {
+        for (int pixel = 0; pixel < kSliceWidth * kSliceHeight; pixel += 53) {
             constexpr int kPlanes = 400;
             Sum sum;
             for (int k = 0; k < kPlanes; ++k) {
                 const double off = 0.07 + ((k + 0.5) / kPlanes - 0.5) * kThickness * length(normal);
-                const auto at =
-                    point_on(thick.made.camera(), normal, off, pixel % kWidth, pixel / kWidth);
+                const auto at = point_on(thick.made.camera(), normal, off, pixel % kSliceWidth,
+                                         pixel / kSliceWidth);
                 const Sum one = model_at(model, field.value, field.gradient, *at);
                 sum.density += one.density / kPlanes, sum.value += one.value / kPlanes;
             }
@@ -212,9 +213,9 @@ TEST(slices, of_voxels_are_the_voxels_that_hold_the_points) {
                   heat = render(scene, slice_of(normal, offset, "heat"));
     EXPECT_EQ(heat.made.unit, "K");
     int zero = 0, shown = 0;
-    for (int row = 0; row < kHeight; ++row)
-        for (int column = 0; column < kWidth; ++column) {
-            const auto n = static_cast<std::size_t>(row * kWidth + column);
+    for (int row = 0; row < kSliceHeight; ++row)
+        for (int column = 0; column < kSliceWidth; ++column) {
+            const auto n = static_cast<std::size_t>(row * kSliceWidth + column);
             const Vec3d at = *point_on(density.made.camera(), normal, offset, column, row);
             const int i[] = {static_cast<int>(std::floor((at.x - 1) / 0.5 + 0.5)),
                              static_cast<int>(std::floor((at.y - 2) / 0.5 + 0.5)),
@@ -267,9 +268,9 @@ TEST(slices, have_the_files_values_where_densities_are_above_a_background) {
     volume.background = -1000;
     volume.name = "ct";
     const Picture voxels = render(scene_of(Volume(volume)), slice_of("x", 4));
-    EXPECT_EQ(voxels.values()[kHeight / 2 * kWidth + kWidth / 2], -900);
+    EXPECT_EQ(voxels.values()[kSliceHeight / 2 * kSliceWidth + kSliceWidth / 2], -900);
     EXPECT_EQ(voxels.made.name, "ct");
-    Gaussians model = some_model();
+    Gaussians model = sliced_model();
     model.fields = {};
     model.fields.scalar.push_back({"ct", "HU", -1000, 100, true, {}, {}, {}, {}, {}, -1000});
     ScalarField& field = model.fields.scalar.front();
@@ -325,7 +326,7 @@ TEST(slices, look_along_the_normal_at_the_section_of_the_data) {
 }
 
 TEST(slices, are_the_same_from_their_record_and_for_any_number_of_threads) {
-    const vog::Scene scene = scene_of(some_model());
+    const vog::Scene scene = scene_of(sliced_model());
     PictureRequest request = slice_of("y");
     request.field = "temperature";
     const Picture first = render(scene, request);
@@ -342,7 +343,7 @@ TEST(slices, are_the_same_from_their_record_and_for_any_number_of_threads) {
 }
 
 TEST(slices, outside_of_the_data_and_of_no_plane_are_refused) {
-    const vog::Scene scene = scene_of(some_model());
+    const vog::Scene scene = scene_of(sliced_model());
     const auto refused = [&](const PictureRequest& request) {
         return refusal([&] { (void)resolve(request, scene); });
     };

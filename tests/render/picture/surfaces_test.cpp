@@ -69,14 +69,6 @@ Layer painted(std::array<float, 3> color, std::optional<double> opacity = {}) {
 
 Rgba middle_of(const std::vector<Rgba>& light) { return light[16 * 32 + 16]; }
 
-double largest_difference(const std::vector<Rgba>& a, const std::vector<Rgba>& b) {
-    double most = a.size() == b.size() ? 0 : HUGE_VAL;
-    for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n)
-        for (const auto part : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
-            most = std::max(most, std::abs(double{a[n].*part} - double{b[n].*part}));
-    return most;
-}
-
 /// Light of red fog of a depth in front of a lit colour.
 void expect_behind(const Rgba& seen, double tau, const std::array<double, 3>& lit, double opacity,
                    double tau_behind, double tolerance) {

@@ -14,7 +14,7 @@
 namespace vog {
 namespace {
 
-constexpr double kRounding = 1e-10;
+constexpr double kLevelsRounding = 1e-10;
 
 struct Ray {
     Vec3d origin, direction;
@@ -53,7 +53,7 @@ TEST(reference_levels, constant_field_has_the_chord_of_the_outer_box) {
         double worst = 0;
         for (const Ray& ray : rays_through(outer, 20, 400)) {
             const double exact = 0.7f * chord(outer, 20, ray);
-            ASSERT_NEAR(optical_depth(grids, ray.origin, ray.direction), exact, kRounding);
+            ASSERT_NEAR(optical_depth(grids, ray.origin, ray.direction), exact, kLevelsRounding);
             double sum = 0;
             for (const VoxelGrid& grid : unmasked)
                 sum += optical_depth(grid, ray.origin, ray.direction);
@@ -143,10 +143,10 @@ TEST(reference_levels, ghost_cells_count_once_and_the_first_given_wins) {
     right.box({6, 0, 0}, {15, 7, 7}, 3);
     EXPECT_NEAR(
         optical_depth(level_grids({{left.finish(), right.finish()}, {}}), {-5, 3, 3}, {1, 0, 0}),
-        10 * 1 + 6 * 3, kRounding);
+        10 * 1 + 6 * 3, kLevelsRounding);
     EXPECT_NEAR(
         optical_depth(level_grids({{right.finish(), left.finish()}, {}}), {-5, 3, 3}, {1, 0, 0}),
-        6 * 1 + 10 * 3, kRounding);
+        6 * 1 + 10 * 3, kLevelsRounding);
 }
 
 TEST(reference_levels, masks_say_where_a_level_counts) {
@@ -157,7 +157,7 @@ TEST(reference_levels, masks_say_where_a_level_counts) {
     const Levels levels{{test::cube_of(8, 3, {}), test::cube_of(8, 1, fine)},
                         {test::cube_of(8, 1, {}), mask.finish()}};
     const double exact = 3 * 3 + 3 * 1 + 1 * 0 + 1 * 3;
-    EXPECT_NEAR(optical_depth(level_grids(levels), {-5, 3, 3}, {1, 0, 0}), exact, kRounding);
+    EXPECT_NEAR(optical_depth(level_grids(levels), {-5, 3, 3}, {1, 0, 0}), exact, kLevelsRounding);
     // And the parts agree.
     double sum = 0;
     for (const Volume& part : composite(levels).parts)
@@ -168,7 +168,7 @@ TEST(reference_levels, masks_say_where_a_level_counts) {
 TEST(reference_levels, zero_density_hides_too) {
     const Affine fine = test::nested_map({}, 2, {1.5, 1.5, 1.5});
     const Levels levels{{test::cube_of(8, 1, {}), test::cube_of(4, 0, fine)}, {}};
-    EXPECT_NEAR(optical_depth(level_grids(levels), {-5, 2.2, 2.2}, {1, 0, 0}), 6, kRounding);
+    EXPECT_NEAR(optical_depth(level_grids(levels), {-5, 2.2, 2.2}, {1, 0, 0}), 6, kLevelsRounding);
     EXPECT_NEAR(mass(composite(levels).parts.back()), 512 - 8, 1e-9);
 }
 

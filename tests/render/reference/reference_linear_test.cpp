@@ -18,7 +18,7 @@ namespace {
 
 constexpr VoxelGridOptions kExact{Interpolation::linear, 0};
 // Sums of some hundred cells, rounded at 1e-16 of distances of up to a thousand voxels.
-constexpr double kRounding = 1e-11;
+constexpr double kLinearRounding = 1e-11;
 
 Volume single(Vec3i at, float value) {
     Volume volume;
@@ -66,13 +66,13 @@ TEST(reference_linear, one_voxel_is_a_tent) {
         for (const double off : {0.0, 0.25, -0.75, 0.9375}) {
             // Along an axis the tent integrates to 1; across, it falls off as 1 - |offset|.
             EXPECT_NEAR(optical_depth(grid, center + Vec3d{-9, off, 0}, {1, 0, 0}),
-                        2 * (1 - std::abs(off)), kRounding);
+                        2 * (1 - std::abs(off)), kLinearRounding);
             EXPECT_NEAR(optical_depth(grid, center + Vec3d{off, 0.5, 20}, {0, 0, -1}),
-                        1 - std::abs(off), kRounding);
+                        1 - std::abs(off), kLinearRounding);
         }
         // (1 - |s|)^3 along the diagonal, twice from 0 to 1.
         EXPECT_NEAR(optical_depth(grid, center - Vec3d{7, 7, 7}, {1, 1, 1}), std::sqrt(3),
-                    kRounding);
+                    kLinearRounding);
         EXPECT_EQ(optical_depth(grid, center + Vec3d{-9, 1.001, 0}, {1, 0, 0}), 0);
     }
 }
@@ -92,7 +92,7 @@ TEST(reference_linear, tile_and_the_same_leaves_agree) {
         const VoxelGrid a = voxel_grid(tile, options), b = voxel_grid(leaves, options);
         for (const auto& [origin, direction] : rays_through(tile, index_box(tile), 300))
             ASSERT_NEAR(optical_depth(a, origin, direction), optical_depth(b, origin, direction),
-                        kRounding);
+                        kLinearRounding);
     }
 }
 
@@ -107,9 +107,9 @@ TEST(reference_linear, tile_where_a_larger_node_starts_hides_no_border_of_others
     const Box box{{510, 510, 510}, {514, 514, 514}};
     for (const auto& [origin, direction] : rays_through(volume, box, 100)) {
         const double expected = test::brute_linear_depth(volume, origin, direction);
-        ASSERT_NEAR(optical_depth(grid, origin, direction), expected, kRounding);
+        ASSERT_NEAR(optical_depth(grid, origin, direction), expected, kLinearRounding);
     }
-    EXPECT_NEAR(optical_depth(grid, {511.5, 512, 500}, {0, 0, 1}), 1, kRounding);
+    EXPECT_NEAR(optical_depth(grid, {511.5, 512, 500}, {0, 0, 1}), 1, kLinearRounding);
 }
 
 TEST(reference_linear, exact_rule_matches_simpson_under_every_map) {
@@ -121,7 +121,7 @@ TEST(reference_linear, exact_rule_matches_simpson_under_every_map) {
         for (const Box& box : {Box{{-10, -10, -10}, {33, 18, 18}}, index_box(volume)})
             for (const auto& [origin, direction] : rays_through(volume, box, 60)) {
                 const double expected = test::brute_linear_depth(volume, origin, direction);
-                ASSERT_NEAR(optical_depth(grid, origin, direction), expected, kRounding);
+                ASSERT_NEAR(optical_depth(grid, origin, direction), expected, kLinearRounding);
             }
     }
 }
@@ -172,7 +172,7 @@ TEST(reference_linear, border_blocks_do_not_change_the_constant_field) {
     const VoxelGrid bordered{std::move(data)};
     for (const auto& [origin, direction] : rays_through(volume, index_box(volume), 200))
         ASSERT_NEAR(optical_depth(bordered, origin, direction),
-                    optical_depth(plain, origin, direction), kRounding);
+                    optical_depth(plain, origin, direction), kLinearRounding);
 }
 
 TEST(reference_linear, real_data_are_close_to_their_constant_field) {
