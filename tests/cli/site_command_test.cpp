@@ -9,7 +9,11 @@ namespace vog::test {
 
 class site_command : public CommandLine {};
 
+namespace {
+
 using Json = nlohmann::json;
+
+}  // namespace
 
 TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
     must("sample cloud c.vdb --size 128");

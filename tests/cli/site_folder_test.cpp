@@ -22,7 +22,7 @@ class site_folder : public ::testing::Test {
 };
 
 TEST_F(site_folder, paths_stay_below_it) {
-    const cli::SiteFolder folder(dir_ / "site");
+    const vog::cli::SiteFolder folder(dir_ / "site");
     std::filesystem::create_directories(dir_ / "site/a..b");
     std::ofstream(dir_ / "site/a..b/index.html") << "x";
     for (const char* path : {"/", "/index.html", "/a..b/", "/a..b/index.html"})
@@ -44,7 +44,7 @@ TEST_F(site_folder, links_that_leave_it_open_nothing) {
     fs::create_symlink("index.html", dir_ / "site/in.html");
     fs::create_directory_symlink(dir_ / "site", dir_ / "link");
     for (const char* name : {"site", "link"}) {
-        const cli::SiteFolder folder(dir_ / name);
+        const vog::cli::SiteFolder folder(dir_ / name);
         for (const char* path :
              {"/out", "/up/secret", "/hidden", "/chunks", "/absent", "/../secret"})
             EXPECT_FALSE(folder.open(path)) << path;
@@ -65,10 +65,10 @@ TEST_F(site_folder, links_that_leave_it_open_nothing) {
 TEST_F(site_folder, other_folders_and_files_are_refused) {
     for (const char* name :
          {"absent", "site/chunks", "secret", "site/manifest.json", "site/.hidden"})
-        EXPECT_THROW(cli::SiteFolder{dir_ / name}, Error) << name;
+        EXPECT_THROW(vog::cli::SiteFolder{dir_ / name}, Error) << name;
     std::filesystem::remove(dir_ / "site/manifest.json");
-    EXPECT_THROW(cli::SiteFolder{dir_ / "site"}, Error);
-    EXPECT_EQ(cli::SiteFolder(dir_ / "site/index.html").start(), "index.html");
+    EXPECT_THROW(vog::cli::SiteFolder{dir_ / "site"}, Error);
+    EXPECT_EQ(vog::cli::SiteFolder(dir_ / "site/index.html").start(), "index.html");
 }
 
 }  // namespace vog::test

@@ -91,7 +91,7 @@ std::vector<std::pair<std::string, Render>> cpu_renderers() {
         });
     return all;
 }
-std::vector<std::pair<std::string, Render>> all_renderers() {
+std::vector<std::pair<std::string, Render>> map_renderers() {
     std::vector<std::pair<std::string, Render>> all = cpu_renderers();
     for (const Gpu& gpu : gpus())
         all.emplace_back(
@@ -314,7 +314,7 @@ class field_maps : public testing::TestWithParam<std::size_t> {};
 TEST_P(field_maps, are_the_closed_form) {
     const View& view = views()[GetParam()];
     const auto exact = exact_pixels(view);
-    for (const auto& [name, render] : all_renderers()) {
+    for (const auto& [name, render] : map_renderers()) {
         SCOPED_TRACE(view.name + " " + name);
         expect_closed_form(
             view, exact, render(view.model, view.choice, view.camera, kWidth, kHeight, view.clip));
@@ -398,7 +398,7 @@ TEST(field_maps, keep_the_digits_of_a_small_dispersion) {
     add_fields(model, 32, 300, 0.1);
     const Camera camera = pinhole({2, 1.5, 3}, {0, 0, 0}, 40);
     const CameraFrame frame = frame_of(camera, 96, 96);
-    for (const auto& [name, render] : all_renderers()) {
+    for (const auto& [name, render] : map_renderers()) {
         const FieldMaps maps = render(model, kScalar, camera, 96, 96, {});
         for (const auto& [x, y] : {std::pair{48, 48}, {30, 60}, {60, 27}}) {
             const Expected exact = closed_form(model, kScalar, frame, x, y);
@@ -465,7 +465,7 @@ TEST(field_maps, show_points_with_their_mean_and_whole_variance) {
                          (std::pow(double{g.x * s.x}, 2) + std::pow(double{g.y * s.y}, 2) +
                           std::pow(double{g.z * s.z}, 2));
     const double residual = double{one.fields.scalar[0].deviation[0]};
-    for (const auto& [name, render] : all_renderers()) {
+    for (const auto& [name, render] : map_renderers()) {
         const FieldMaps maps = render(one, kScalar, parallel({1, 2, 3}, 3), 48, 48, {});
         int shown = 0;
         for (std::size_t n = 0; n < maps.column.size(); ++n) {
@@ -507,7 +507,7 @@ TEST(field_maps, of_two_halves_are_those_of_the_whole) {
         front.planes = {{{0.4, -0.2, 1}, 0.02}};
         back.planes = {{{-0.4, 0.2, -1}, -0.02}};
         for (const Camera& camera : {parallel({1, 2, 3}, 3), pinhole({2, 1.5, 3}, {0, 0, 0}, 40)})
-            for (const auto& [name, render] : all_renderers()) {
+            for (const auto& [name, render] : map_renderers()) {
                 SCOPED_TRACE(name);
                 const FieldMaps whole = render(model, kScalar, camera, 36, 36, {});
                 const FieldMaps a = render(model, kScalar, camera, 36, 36, front);
@@ -542,7 +542,7 @@ TEST(field_maps, under_a_clip_have_the_column_of_T_and_nothing_outside) {
     Clipping all, none;
     all.box = Box{{-9, -9, -9}, {9, 9, 9}};
     none.box = Box{{5, 5, 5}, {6, 6, 6}};
-    for (const auto& [name, render] : all_renderers()) {
+    for (const auto& [name, render] : map_renderers()) {
         SCOPED_TRACE(name);
         const FieldMaps maps = render(*model, kScalar, camera, 64, 64, some);
         for (std::size_t n = 0; n < depth.depth.size(); ++n)
@@ -588,7 +588,7 @@ TEST(field_maps, an_earlier_pictures_arrays_leave_no_trace) {
 TEST(field_maps, of_an_empty_model_show_nothing) {
     Gaussians model;
     add_fields(model, 1);
-    for (const auto& [name, render] : all_renderers()) {
+    for (const auto& [name, render] : map_renderers()) {
         const FieldMaps maps = render(model, kScalar, pinhole({2, 1, 3}, {0, 0, 0}, 40), 8, 6, {});
         ASSERT_EQ(maps.column, std::vector<float>(48)) << name;
         EXPECT_TRUE(std::ranges::all_of(maps.mean, [](float v) { return std::isnan(v); }));

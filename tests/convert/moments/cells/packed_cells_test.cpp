@@ -8,7 +8,7 @@ namespace vog {
 using namespace moments;
 namespace {
 
-constexpr double kFloat = 6e-8;  // a float's rounding
+constexpr double kFloatRounding = 6e-8;  // a float's rounding
 
 Moments cell_at(Vec3d mean) { return {3.3, mean, {1.7, 0.3, -0.2, 2.9, 0.5, 4.1}}; }
 
@@ -19,11 +19,12 @@ TEST(packed_cells, moments_come_back_in_floats_wherever_the_bricks_are) {
     const Moments cell = cell_at({kFar + 1.37, kFar + 2.61, -kFar + 3.14});
     cells.push_back(cell);
     const Moments back = cells[0];
-    EXPECT_NEAR(back.mass, cell.mass, kFloat * cell.mass);
+    EXPECT_NEAR(back.mass, cell.mass, kFloatRounding * cell.mass);
     // From the middle of the bricks, which is at most 50 voxels away.
-    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(back.mean[axis], cell.mean[axis], 50 * kFloat);
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(back.mean[axis], cell.mean[axis], 50 * kFloatRounding);
     for (std::size_t n = 0; n < 6; ++n)
-        EXPECT_NEAR(back.covariance[n], cell.covariance[n], 5 * kFloat);
+        EXPECT_NEAR(back.covariance[n], cell.covariance[n], 5 * kFloatRounding);
 }
 
 TEST(packed_cells, those_kept_become_gaussians_in_their_order) {
