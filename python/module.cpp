@@ -73,8 +73,11 @@ std::string described(const py::handle& object) {
 }
 
 void warn(const std::vector<std::string>& texts) {
+    if (texts.empty()) return;
+    const py::object spoken = py::module_::import("vog._messages").attr("spoken");
     for (const std::string& text : texts)
-        if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+        if (PyErr_WarnEx(PyExc_UserWarning, spoken(text).cast<std::string>().c_str(), 1) != 0)
+            throw py::error_already_set();
 }
 
 std::string short_text(double number) {

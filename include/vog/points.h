@@ -117,7 +117,7 @@ Points read_points(const std::filesystem::path& file, const PointReadOptions& op
 /// Reads several files as one set, in their order: parts of a snapshot may lack the type of particles that others have.
 /// notes   receives a line on the choice among several types, on every file's particles that were left out, on columns read by their places, on parts without
 ///         the type, on snapshots of more files than these, and on attributes in units of their own; null: none
-/// throws  vog::Error as read_points and append do
+/// throws  vog::Error as read_points and append do, and for a file that is named twice
 Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,
                    std::vector<std::string>* notes);
 

@@ -25,9 +25,8 @@ def refuse_unknown(call: str, given: "Iterable[str]", known: "Sequence[str]") ->
             raise TypeError(f"{call}: unknown keyword '{key}'{near}, expected {', '.join(known)}")
 
 
-def _spoken(error: Exception) -> str:
-    """The message, without options of the command."""
-    text = str(error)
+def spoken(text: str) -> str:
+    """A message or warning of the library, without options of the command."""
     for flag, argument in _FLAGS:
         text = flag.sub(argument, text)
     return text
@@ -52,7 +51,7 @@ def _shortened(call: Callable[..., Any], failure: "type[Exception]", name: str =
         except failure as error:
             if "--" not in str(error):
                 raise
-            raise failure(_spoken(error)) from None
+            raise failure(spoken(str(error))) from None
         except TypeError as error:
             text = str(error)
             if _MARK not in text or "Invoked with:" not in text:

@@ -59,7 +59,7 @@ def test_what_does_not_fit_is_refused():
 
 def test_the_largest_of_several_grids_is_loaded_with_a_warning(data):
     file = data("fire.vdb")
-    with pytest.warns(UserWarning, match="reading 'temperature', the largest of 2 grids; --grid chooses another: flames"):
+    with pytest.warns(UserWarning, match="reading 'temperature', the largest of 2 grids; grid=... chooses another: flames"):
         assert vog.Volume.load(file).name == "temperature"
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -108,19 +108,21 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
     return columns;
 }
 
-/// Unit in brackets behind a name: "kpc" of "X [kpc]"; empty: none.
+/// Unit in brackets, as behind a name: "kpc" of "X [kpc]"; empty: none.
 std::string unit_in(const std::string& name) {
     const std::size_t open = name.find_first_of("[("), close = name.find_last_of("])");
     if (open == name.npos || close == name.npos || close < open) return {};
     return std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)));
 }
 
-/// Sets the unit of positions from the names of their columns. Columns of other lengths are converted to the first one's.
+/// Sets the unit of positions from the head. Columns of other lengths are converted to the first one's.
 void set_unit(const PointHead& head, const std::vector<std::size_t>& vectors,
               PointColumns& columns) {
     std::array<std::string, 3> unit;
     for (std::size_t n = 0; n < 3 && !head.names.empty(); ++n)
-        unit[n] = unit_in(head.names[vectors[n]]);
+        for (const std::string& text : {head.units[vectors[n]], unit_in(head.units[vectors[n]]),
+                                        unit_in(head.names[vectors[n]])})
+            if (length_unit(text) || unit[n].empty()) unit[n] = text;
     // Other words in brackets are no units.
     if (std::ranges::none_of(unit, [](const auto& u) { return length_unit(u); })) return;
     for (std::size_t n = 0; n < 3; ++n) {

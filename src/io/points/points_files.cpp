@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/paging.h"
 #include "vog/error.h"
@@ -151,10 +152,18 @@ std::string common_type(std::span<const std::filesystem::path> files,
                             fmt::join(all.name, ", ")));
 }
 
+void refuse_twice(std::span<const std::filesystem::path> files) {
+    std::set<std::filesystem::path> named;
+    for (const auto& file : files)
+        if (!named.insert(std::filesystem::weakly_canonical(file)).second)
+            throw Error(fmt::format("{}: named twice, expected each file once", file.string()));
+}
+
 }  // namespace
 
 Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,
                    std::vector<std::string>* notes) {
+    refuse_twice(files);
     PointReadOptions chosen = options;
     const auto note = [&](const std::string& text) {
         if (notes && !text.empty()) notes->push_back(text);

@@ -149,6 +149,17 @@ Names extended_names(std::string_view title) {
     return names;
 }
 
+/// Text behind `key` in a line of YAML, up to a comma or brace; empty: the line has no such key.
+std::string entry_of(std::string_view line, std::string_view key) {
+    const std::size_t at = line.find(key);
+    if (at == line.npos) return {};
+    std::string_view entry = line.substr(at + key.size());
+    entry = trimmed(entry.substr(0, entry.find_first_of(",}")));
+    if (entry.size() >= 2 && (entry.front() == '"' || entry.front() == '\''))
+        entry = entry.substr(1, entry.size() - 2);
+    return std::string(entry);
+}
+
 /// Reads the lines of a head in turn.
 class HeadReader {
   public:
@@ -250,6 +261,7 @@ class HeadReader {
             return true;
         };
         name_columns(take, held);
+        find_units();
         for (const Fields& fields : rows) {
             Names row(fields.begin(), fields.end());
             row.resize(columns);
@@ -294,6 +306,22 @@ class HeadReader {
                 if (with_position && head_.misfit.empty())
                     head_.misfit = fmt::format("a header of {} names", fields.size());
             }
+        }
+    }
+
+    /// Units of the columns: of "- {name: x, unit: kpc, datatype: float64}" among the comments of astropy's ECSV, or a line of words below the names.
+    void find_units() {
+        head_.units.resize(head_.names.size());
+        for (const std::string_view comment : comments_) {
+            const std::string name = entry_of(comment, "{name: "),
+                              unit = entry_of(comment, " unit: ");
+            for (std::size_t n = 0; n < head_.names.size() && !name.empty(); ++n)
+                if (head_.names[n] == name) head_.units[n] = unit;
+        }
+        for (const std::string_view line : headers_) {
+            const Fields fields = split_fields(line, head_.separator);
+            if (fields.size() == head_.units.size() && !names_position(fields))
+                head_.units.assign(fields.begin(), fields.end());
         }
     }
 

@@ -14,6 +14,8 @@ namespace vog::point_files {
 struct PointHead {
     char separator = 0;              ///< 0: blanks
     std::vector<std::string> names;  ///< of the columns; empty: unknown
+    std::vector<std::string>
+        units;  ///< of named columns, by a line below the names or by ECSV; empty texts: none
     std::string
         misfit;  ///< reason why a header with x, y and z does not name the columns; empty: none
     std::vector<std::vector<std::string>> rows;  ///< fields of the first particles, one a column

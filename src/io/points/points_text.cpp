@@ -179,10 +179,11 @@ class ChunkReader {
             chunk.largest[k] = std::max(chunk.largest[k], std::abs(value));
         }
     }
-    /// Number of a field; NaN for an empty one, which is missing, behind the position.
+    /// Number of a field; NaN for a missing one behind the position.
     static bool parse(int role, std::string_view field, double& value) {
-        const bool missing = role >= kFirstVelocity && field.empty();
-        if (!missing && !parse_number(field, value)) return false;
+        const bool number = parse_number(field, value);
+        const bool missing = !number && role >= kFirstVelocity && is_missing(field);
+        if (!number && !missing) return false;
         if (missing || std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
         return true;
     }

@@ -96,6 +96,13 @@ inline bool parse_number(std::string_view field, double& value) {
     return parse_number(with_e, value);
 }
 
+/// Whether a field stands for a missing value, as tables of R, astropy and databases have it.
+inline bool is_missing(std::string_view field) {
+    for (const std::string_view word : {"", "NA", "N/A", "null", "NULL", "None", "--", "\\N"})
+        if (field == word) return true;
+    return false;
+}
+
 /// Whether a field is a number with a decimal comma, as in 1,5.
 inline bool has_decimal_comma(std::string_view field) {
     const std::size_t comma = field.find(',');

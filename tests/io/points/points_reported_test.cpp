@@ -180,6 +180,12 @@ TEST(points_reported, a_missing_value_is_refused_where_it_is_used) {
               std::string::npos);
     EXPECT_NE(refusal([&] { point_values(points, "speed"); }).find("'speed' of particle 1"),
               std::string::npos);
+    write_bytes(dir / "words.csv", "x,y,z,m,n\n1,2,3,4,NA\n1,2,4,--,5\n");
+    EXPECT_TRUE(std::isnan(read_points(dir / "words.csv").attributes[0].value[1]));
+    EXPECT_TRUE(std::isnan(read_points(dir / "words.csv").attributes[1].value[0]));
+    write_bytes(dir / "place.csv", "x,y,z\n1,2,3\n1,NA,4\n");
+    EXPECT_NE(refusal([&] { read_points(dir / "place.csv"); }).find("got 'NA' in column 2"),
+              std::string::npos);
     ValueNotes notes;
     write_bytes(dir / "n.csv", "x,y,z,m\n1,2,3,4\n1,2,4,\n");
     EXPECT_EQ(read_points(dir / "n.csv", {.values = {.skip_nonfinite = true}}, &notes).size(), 1u);
@@ -219,6 +225,29 @@ TEST(points_reported, positions_have_the_unit_of_their_columns) {
     EXPECT_EQ(read_points(dir / "a.csv").length_unit, "kpc");
     const std::vector<std::filesystem::path> files{dir / "a.csv", dir / "b.csv"};
     EXPECT_NE(refusal([&] { read_points(files, {}, nullptr); }).find("in 'Mpc', expected 'kpc'"),
+              std::string::npos);
+    write_bytes(dir / "row.csv", "x,y,z,m\nkpc,kpc,kpc,Msun\n1,2,3,4\n");
+    write_bytes(dir / "brackets.csv", "x,y,z\n[kpc],[kpc],[pc]\n1,2,3000\n");
+    write_bytes(dir / "table.dat",
+                "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: x, unit: kpc, datatype: float64}\n"
+                "# - {name: y, unit: \"kpc\", datatype: float64}\n# - {name: z, datatype: float64, "
+                "unit: kpc}\n"
+                "x y z\n1 2 3\n");
+    for (const char* name : {"row.csv", "brackets.csv", "table.dat"}) {
+        const Points points = read_points(dir / name);
+        EXPECT_EQ(points.length_unit, "kpc") << name;
+        ASSERT_EQ(points.size(), 1u) << name;
+        EXPECT_NEAR(points.position[0].z, 3, 1e-12) << name;
+    }
+    write_bytes(dir / "words.csv", "x,y,z\nfirst,second,third\n1,2,3\n");
+    EXPECT_EQ(read_points(dir / "words.csv").length_unit, "");
+}
+
+TEST(points_reported, files_named_twice_are_refused) {
+    const TempDir dir;
+    write_bytes(dir / "a.csv", "x,y,z\n1,2,3\n");
+    const std::vector<std::filesystem::path> files{dir / "a.csv", dir / "." / "a.csv"};
+    EXPECT_NE(refusal([&] { read_points(files, {}, nullptr); }).find("a.csv: named twice"),
               std::string::npos);
 }
 
