@@ -6,6 +6,7 @@
 #               their errors and on evaluations of a volume (VOG_ALL_EFFECTS)
 #   sanitizers  tests that every change runs without them alone: conversions that measure errors, more pictures of voxels, most sessions of the window
 #               (`night` in tests/CMakeLists.txt)
+#   emulation   the GPU renderers on host memory, compiled by GCC, which inlines other functions of the device than Clang does
 #   threads     the parallel stages under the thread sanitizer
 #   packages    a wheel for each Python that this machine has, each on a bare system
 #   fuzz        every target for two minutes, from a new seed
@@ -21,6 +22,10 @@ ctest --preset nightly
 stage "sanitizers: tests that every change runs without them"
 scripts/build.sh sanitize -DVOG_WERROR=ON
 UBSAN_OPTIONS=print_stacktrace=1 ctest --preset sanitize-nightly
+
+stage "emulation: the GPU renderers on host memory, by GCC"
+scripts/build.sh emulation -DVOG_WERROR=ON
+ctest --preset emulation -R emulated_gpu
 
 stage "threads: the parallel stages under the thread sanitizer"
 scripts/build.sh threads
