@@ -13,9 +13,9 @@ namespace vog::viewer {
 namespace {
 
 /// Axis of values and opacities on the screen.
-class Axes {
+class EditorAxes {
   public:
-    Axes(ValueRange range, bool log, ImVec2 at, ImVec2 size)
+    EditorAxes(ValueRange range, bool log, ImVec2 at, ImVec2 size)
         : range_(range), log_(log), at_(at), size_(size) {}
     float x_of(double value) const {
         return at_.x + size_.x * static_cast<float>(std::clamp(share_of(value), -0.01, 1.01));
@@ -46,7 +46,7 @@ class Axes {
 /// level.
 class ValueEditor {
   public:
-    ValueEditor(Session& session, Gui& gui, const Axes& axes, float ui)
+    ValueEditor(Session& session, Gui& gui, const EditorAxes& axes, float ui)
         : session_(session), gui_(gui), axes_(axes), ui_(ui) {}
 
     void edit() {
@@ -134,7 +134,7 @@ class ValueEditor {
 
     Session& session_;
     Gui& gui_;
-    const Axes& axes_;
+    const EditorAxes& axes_;
     float ui_;
 };
 
@@ -245,7 +245,7 @@ void draw_values(Session& session, Gui& gui, float ui) {
     ImGui::InvisibleButton("values", size,
                            ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight);
     mark(gui, "values");
-    const Axes axes(axis, log, at, size);
+    const EditorAxes axes(axis, log, at, size);
     ValueEditor editor(session, gui, axes, ui);
     editor.edit();
     if (ImGui::IsItemActive()) drag_window(session, size);
