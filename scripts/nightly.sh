@@ -7,8 +7,9 @@
 #   sanitizers  tests that every change runs without them alone: conversions that measure errors, more pictures of voxels, most sessions of the window
 #               (`night` in tests/CMakeLists.txt)
 #   emulation   the GPU renderers on host memory, compiled by GCC, which inlines other functions of the device than Clang does
+#   gpu         the suite for GPUs, compiled by nvcc where there is one: every change compiles its device code alone
 #   threads     the parallel stages under the thread sanitizer
-#   packages    a wheel for each Python that this machine has, each on a bare system
+#   packages    a wheel for each Python that this machine has and the Debian package, each on a bare system
 #   fuzz        every target for two minutes, from a new seed
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -26,6 +27,12 @@ UBSAN_OPTIONS=print_stacktrace=1 ctest --preset sanitize-nightly
 stage "emulation: the GPU renderers on host memory, by GCC"
 scripts/build.sh emulation -DVOG_WERROR=ON
 ctest --preset emulation -R emulated_gpu
+
+if command -v nvcc >/dev/null; then
+    stage "gpu: the suite for GPUs, compiled"
+    mkdir -p build/gpu-data
+    VOG_BUILD_ONLY=vog_gpu_suite VOG_GPU_BUILD=build/gpu-compiled VOG_CUDA_ARCHITECTURES=75 VOG_WERROR=ON tests/gpu/run.sh build/gpu-data
+fi
 
 stage "threads: the parallel stages under the thread sanitizer"
 scripts/build.sh threads
