@@ -95,7 +95,7 @@ class Files(Case):
         self.assertIn("1 more, which --skip-nonfinite leaves out", self.try_steps("s.ply"))
         self.assertIn("1 splats with a number that is not finite, the first is number 1", self.refusal("render", "s.ply", "-o", "a.png"))
         done = run("render", "s.ply", "-o", "a.png", "--skip-nonfinite", folder=self.folder)
-        self.assertEqual((done.returncode, done.stderr.count("1 values that are not finite left out")), (0, 1), done.stderr)
+        self.assertEqual((done.returncode, done.stderr.count("1 value not finite, left out")), (0, 1), done.stderr)
         self.vog("voxelize", "s.ply", "-o", "s.vdb", "--voxel-size", "0.5", "--skip-nonfinite")
 
     def test_particles_under_an_unknown_name(self):
@@ -111,7 +111,7 @@ class Files(Case):
 
     def test_particles_with_nan_are_left_out(self):
         (self.folder / "nan.csv").write_text("x,y,z\n0,0,0\n1,2,3\nnan,1,2\n4,5,6\n")
-        self.assertIn("1 values that are not finite left out", self.try_steps("nan.csv"))
+        self.assertIn("1 value not finite, left out", self.try_steps("nan.csv"))
 
     @unittest.skipUnless(importlib.util.find_spec("h5py"), "h5py is not installed")
     def test_snapshots_of_several_types(self):

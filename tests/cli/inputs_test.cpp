@@ -169,8 +169,8 @@ TEST_F(inputs, invalid_values_are_refused_or_said) {
         const Result result =
             must(command + " --value mass --skip-nonfinite --clip-negative --json");
         const Json notes = Json::parse(result.out)["notes"];
-        EXPECT_EQ(notes[0], "points.csv: 1 values that are not finite left out");
-        EXPECT_EQ(notes[1], "points.csv: 1 negative values set to 0");
+        EXPECT_EQ(notes[0], "points.csv: 1 value not finite, left out");
+        EXPECT_EQ(notes[1], "points.csv: 1 negative value set to 0");
         EXPECT_NE(result.error.find(notes[1]), std::string::npos) << result.error;
     }
 }

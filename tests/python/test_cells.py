@@ -39,7 +39,7 @@ def test_mistakes_are_one_line():
     for change, message in [
         ({"corners": [0, 1, 2, 9]}, "a corner at point 9, expected less than 8"), ({"types": [42]}, "type 42, expected 5, 8, 9"),
         ({"corners": [0, 1, 2]}, "expected 4"), ({"density": [1.0, 2.0]}, "expected 8 values of points or 1 of cells"),
-        ({"density": [-1.0]}, "1 negative values"), ({"corners": [0.5, 1, 2, 3]}, "whole numbers"), ({"thickness": -1}, "thickness -1"),
+        ({"density": [-1.0]}, "1 negative value"), ({"corners": [0.5, 1, 2, 3]}, "whole numbers"), ({"thickness": -1}, "thickness -1"),
     ]:  # fmt: skip
         given = {"points": CUBE, "corners": [0, 1, 3, 4], "types": [10], "density": [1.0], **change}
         with pytest.raises(vog.Error, match=message) as refused:

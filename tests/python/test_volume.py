@@ -112,7 +112,7 @@ def test_invalid_values_of_an_array_are_refused_or_accepted():
         vog.Volume.from_numpy(array)
     with pytest.raises(vog.Error, match="1 values that are no densities, the first -2"):
         vog.Volume.from_numpy(array, skip_nonfinite=True)
-    with pytest.warns(UserWarning, match="1 negative values set to 0; 1 values that are not finite left out"):
+    with pytest.warns(UserWarning, match="1 negative value set to 0; 1 value not finite, left out"):
         volume = vog.Volume.from_numpy(array, skip_nonfinite=True, clip_negative=True)
     assert volume.active_voxels == array.size - 2
     assert volume.mass == array.size - 2
@@ -136,7 +136,7 @@ def test_non_finite_particles_are_refused_or_left_out(tmp_path):
     (tmp_path / "a.xyz").write_text("1 2 3\nnan 5 6\n7 8 9\n")
     with pytest.raises(vog.Error, match="a.xyz:2: got 'nan' in column 1, expected a finite number"):
         vog.Points.load(tmp_path / "a.xyz")
-    with pytest.warns(UserWarning, match="1 values that are not finite left out"):
+    with pytest.warns(UserWarning, match="1 value not finite, left out"):
         assert len(vog.Points.load(tmp_path / "a.xyz", skip_nonfinite=True)) == 2
 
 

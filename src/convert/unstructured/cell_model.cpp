@@ -93,9 +93,9 @@ void check_density(const Cells& cells, bool clip_negative) {
         if (density[n] < 0) ++negative, first = n;
     if (negative && !clip_negative)
         throw Error(fmt::format(
-            "{}: '{}' has {} negative values, the first {} at {} {}, expected 0 or more "
+            "{}: '{}' has {} negative value{}, the first {} at {} {}, expected 0 or more "
             "(negative ones can be clipped to 0)",
-            name_of(cells), cells.density.name, negative, density[first],
+            name_of(cells), cells.density.name, negative, negative == 1 ? "" : "s", density[first],
             cells.density.at_points ? "point" : "cell", first));
 }
 

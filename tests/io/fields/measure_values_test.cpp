@@ -39,7 +39,7 @@ TEST_F(voxel_field, ones_count_active_voxels_of_any_value) {
     EXPECT_EQ(active_voxels(volume), 639u + 512u);
     EXPECT_EQ(mass(volume), 639.0 + 512.0);
     ASSERT_EQ(notes.size(), 1u);
-    EXPECT_NE(notes[0].find("ct.vdb: grid 'hu': 1 values that are not finite left out, the first "
+    EXPECT_NE(notes[0].find("ct.vdb: grid 'hu': 1 value not finite, left out, the first "
                             "at index [3, 2, 1]"),
               std::string::npos)
         << notes[0];

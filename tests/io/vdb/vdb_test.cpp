@@ -154,8 +154,8 @@ TEST(vdb, values_that_are_not_finite_are_refused_with_count_and_first_index) {
     EXPECT_EQ(volume.leaves.size(), 1u);
     EXPECT_NO_THROW(validate(volume));
     EXPECT_EQ(values_text(notes, "a.vdb"),
-              "a.vdb: 4 values that are not finite left out, the first at index [-20, 3, 4]; 1 "
-              "inactive voxels with a value that is not finite: empty space");
+              "a.vdb: 4 values not finite, left out, the first at index [-20, 3, 4]; 1 "
+              "inactive voxel with a value not finite: empty space");
 
     const auto large = make_grid<openvdb::DoubleGrid>("density");
     set_voxel(*large, {0, 0, 0}, 1e300);  // finite, but no float
