@@ -154,9 +154,12 @@ std::string common_type(std::span<const std::filesystem::path> files,
 
 void refuse_twice(std::span<const std::filesystem::path> files) {
     std::set<std::filesystem::path> named;
-    for (const auto& file : files)
-        if (!named.insert(std::filesystem::weakly_canonical(file)).second)
+    for (const auto& file : files) {
+        std::error_code code;  // the reader says why a file cannot be opened
+        const std::filesystem::path whole = std::filesystem::weakly_canonical(file, code);
+        if (!code && !named.insert(whole).second)
             throw Error(fmt::format("{}: named twice, expected each file once", file.string()));
+    }
 }
 
 }  // namespace
