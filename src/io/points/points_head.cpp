@@ -309,7 +309,7 @@ class HeadReader {
         }
     }
 
-    /// Units of the columns: of "- {name: x, unit: kpc, datatype: float64}" among the comments of astropy's ECSV, or a line of words below the names.
+    /// Units of the columns: "- {name: x, unit: kpc, datatype: float64}" among the comments of ECSV by astropy, or a line of words below the names.
     void find_units() {
         head_.units.resize(head_.names.size());
         for (const std::string_view comment : comments_) {
