@@ -62,12 +62,10 @@ FILES = {"Volume": "a.vdb", "Levels": "a.vdb", "Points": "a.xyz", "Gaussians": "
 SAVED = {**{name: "saved" + file[1:] for name, file in FILES.items()}, "Picture": "saved.npy", "export_html": "saved.html", "export_splats": "saved.ply"}
 OBJECTS = {"Volume": volume, "Levels": levels, "Points": points, "Gaussians": model, "DepthImage": depth, "Image": image, "TransferFunction": tf,
            "Camera": camera, "Picture": maps, "threads": vog.threads(1), "Field": model.fields["density"]}
-SLOW = {"sample_cloud", "sample_explosion", "sample_head", "sample_fire", "sample_levels", "evaluate"}
+SLOW = {"sample_cloud", "sample_explosion", "sample_head", "sample_fire", "sample_levels", "evaluate", "convert measure", "convert refine_seconds"}  # calls, or parameters of one
 # By itself a conversion draws 12 views of 256 x 256 pixels to measure its error, 0.7 s of CPU: only for the parameters of WITHOUT.
 REQUIRED = {"voxelize": {"voxel_size": 0.5}, "convert": {"block": 4}}
 WITHOUT = {name: {"block"} for name in ("data", "budget", "error", "lod")}
-# As slow with any number that they take.
-SLOWLY = {("convert", "measure"), ("convert", "refine_seconds")}
 THROWN = (vog.Error, TypeError, ValueError, LookupError, OSError, ImportError, AttributeError, OverflowError, ArithmeticError, RuntimeError, MemoryError)
 
 def members():
@@ -133,7 +131,7 @@ for name, call, parameters, needed, owner in members():
     base.update(REQUIRED.get(name, {}))
     for parameter in parameters:
         for label, value in KINDS.items():
-            if (name.split(".")[0] in SLOW or (name, parameter) in SLOWLY) and label not in ("none", "text", "list", "odd", "model", "minus", "cube"): continue
+            if SLOW & {name.split(".")[0], f"{name} {parameter}"} and label not in ("none", "text", "list", "odd", "model", "minus", "cube"): continue
             if parameter in ("size", "width", "height", "resolution") and label in ("huge",): continue
             given = {**{key: one for key, one in base.items() if key not in WITHOUT.get(parameter, ())}, parameter: value}
             first = name.endswith(("__getitem__", "__add__", "__call__", "__eq__", "="))

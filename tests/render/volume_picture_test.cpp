@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "render/reference/reference.h"
+#include "support/made_fields.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
 #include "vog/error.h"
@@ -35,9 +36,8 @@ Camera pinhole(Vec3d eye, Vec3d look_at) {
 }
 
 VoxelField own_density() {
-    VoxelField field;
+    VoxelField field = test::own();
     field.name = "density";
-    field.component.resize(1);
     return field;
 }
 
