@@ -11,7 +11,10 @@ _MARK = "incompatible "
 # What messages of the library call by the options of the command, as calls have it.
 _FLAGS = [
     (re.compile(r"--(clip-negative|skip-nonfinite|level-set-to-fog)"), lambda found: found[1].replace("-", "_") + "=True"),
-    (re.compile(r"--(units|grid|columns|radius)( [a-zX]\w*)?"), lambda found: found[1] + "=" + (repr(found[2][1:]) if found[2] else "...")),
+    (
+        re.compile(r"--(units|grid|columns|radius)( (?!chooses\b|names\b)[a-zX]\w*)?"),  # with its value, or with the verb of a sentence
+        lambda found: found[1] + "=" + (repr(found[2][1:]) if found[2] else "..."),
+    ),
     (re.compile(r", or --memory, with which.*"), lambda found: ""),
     (re.compile(r"vog convert VOLUME -o model.ply --field \S+"), lambda found: "vog.convert(volume, fields=...)"),
 ]

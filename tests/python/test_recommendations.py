@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import vog
+from vog._messages import spoken
 
 
 def message_of(call):
@@ -60,3 +61,17 @@ def test_errors_name_the_call_once(show):
         assert re.match("render: (?!render)", message_of(lambda: vog.render(model, size=8, show=show, **named)))
     for named in ({"fields": {"a": 1}}, {"field": "a"}, {"field": "b", "fields": {"a": ball()}}):
         assert re.match("render: (?!render)", message_of(lambda: vog.render(vog.Volume.from_numpy(ball()), size=8, show=show, **named)))
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("the largest of 2 grids; --grid chooses another: flames", "the largest of 2 grids; grid=... chooses another: flames"),
+        ("three columns of places (--columns names others)", "three columns of places (columns=... names others)"),
+        ("all lie at one place (--radius X)", "all lie at one place (radius='X')"),
+        ("smaller than a half's step (--units box)", "smaller than a half's step (units='box')"),
+        ("--skip-nonfinite leaves such voxels out", "skip_nonfinite=True leaves such voxels out"),
+    ],
+)
+def test_options_in_messages_become_arguments(text, said):
+    assert spoken(text) == said
