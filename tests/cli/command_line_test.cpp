@@ -125,6 +125,8 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     EXPECT_EQ(info["particles"], 500);
     EXPECT_EQ(info["values"][1]["name"], "mass");
     must("info p.csv");
+    write("units.csv", "x [kpc],y [kpc],z [kpc]\n1,2,3\n4,5,6\n");
+    EXPECT_NE(must("info units.csv").out.find("(1, 2, 3) to (4, 5, 6) kpc"), std::string::npos);
     const auto all = nlohmann::json::parse(must("convert p.csv -o p.ply --value mass --json").out);
     EXPECT_EQ(all["particles"], 500);
     EXPECT_EQ(all["gaussians"], 500);

@@ -47,6 +47,8 @@ std::string text(const Box& box) {
     };
     return corner(box.lower) + " to " + corner(box.upper);
 }
+/// A unit as it stands behind a number; empty: none.
+std::string after_number(const std::string& unit) { return unit.empty() ? "" : " " + unit; }
 std::string text(Vec3i v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
 void fact(const std::string& name, const std::string& value) {
@@ -104,8 +106,8 @@ void print(const VolumeInfo& volume) {
         const Vec3i size = grid.upper - grid.lower + Vec3i{1, 1, 1};
         fact("bounding box", fmt::format("{} to {}, {}x{}x{} voxels", text(grid.lower),
                                          text(grid.upper), size.x, size.y, size.z));
-        fact("value range", fmt::format("{:.6g} to {:.6g}{}{}", grid.min, grid.max,
-                                        volume.value_unit.empty() ? "" : " ", volume.value_unit));
+        fact("value range", fmt::format("{:.6g} to {:.6g}{}", grid.min, grid.max,
+                                        after_number(volume.value_unit)));
     }
     if (volume.background != 0)
         fact("background", fmt::format("{:.6g}, density is the value above it", volume.background));
@@ -114,9 +116,9 @@ void print(const VolumeInfo& volume) {
     if (grid.affine) {
         if (!grid.world.empty()) fact("world box", text(grid.world));
         const Mat3& m = grid.world_from_index.linear;
-        fact("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", length(m.column(0)),
-                                       length(m.column(1)), length(m.column(2)),
-                                       volume.length_unit.empty() ? "" : " ", volume.length_unit));
+        fact("voxel size",
+             fmt::format("{:.6g} x {:.6g} x {:.6g}{}", length(m.column(0)), length(m.column(1)),
+                         length(m.column(2)), after_number(volume.length_unit)));
         for (int r = 0; r < 3; ++r) {
             const Vec3d row = m.row[static_cast<std::size_t>(r)];
             fact(r == 0 ? "transform" : "",
@@ -179,8 +181,8 @@ void print(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t byt
     if (o != Vec3d{})
         fact("origin", fmt::format("({}, {}, {}), which means are relative to", o.x, o.y, o.z));
     for_each_field(model.fields, [&](const auto& field, const char* kind) {
-        fact("field", fmt::format("{}, {}, {:.6g} to {:.6g}{}{}", field.name, kind, field.lower,
-                                  field.upper, field.unit.empty() ? "" : " ", field.unit));
+        fact("field", fmt::format("{}, {}, {:.6g} to {:.6g}{}", field.name, kind, field.lower,
+                                  field.upper, after_number(field.unit)));
     });
     if (!model.source.empty()) fact("source", model.source);
     if (model.source_voxels)
@@ -195,7 +197,7 @@ void print(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t byt
 }
 
 struct ValueRange {
-    std::string name;
+    std::string name, unit;     ///< unit empty: not known
     double low = 0, high = 0;   ///< in the unit of the file
     std::uint64_t missing = 0;  ///< particles without the value
 };
@@ -206,11 +208,13 @@ std::vector<ValueRange> value_ranges(const Points& points) {
         if (name == "count") continue;
         BigVector<float> values = point_values(points, name, true);
         const auto missing = std::erase_if(values, [](float value) { return std::isnan(value); });
-        ValueRange& range = ranges.emplace_back(ValueRange{name, 0, 0, missing});
+        const auto attribute = std::ranges::find(points.attributes, name, &PointAttribute::name);
+        const bool own = attribute != points.attributes.end();
+        const double unit = own ? attribute->unit : 1;
+        ValueRange& range = ranges.emplace_back(ValueRange{
+            name, own ? attribute->unit_name : point_value_unit(points, name), 0, 0, missing});
         if (values.empty()) continue;
         const auto [low, high] = std::ranges::minmax(values);
-        const auto attribute = std::ranges::find(points.attributes, name, &PointAttribute::name);
-        const double unit = attribute == points.attributes.end() ? 1 : attribute->unit;
         range.low = unit * double{low}, range.high = unit * double{high};
     }
     return ranges;
@@ -220,12 +224,15 @@ Json as_json(const Points& points) {
     Json values = Json::array();
     for (const ValueRange& range : value_ranges(points)) {
         values.push_back({{"name", range.name}, {"min", range.low}, {"max", range.high}});
+        if (!range.unit.empty()) values.back()["unit"] = range.unit;
         if (range.missing) values.back()["missing"] = range.missing;
     }
-    return {{"particles", points.size()},
-            {"box", array(bounds(points))},
-            {"velocities", !points.velocity.empty()},
-            {"values", values}};
+    Json json = {{"particles", points.size()},
+                 {"box", array(bounds(points))},
+                 {"velocities", !points.velocity.empty()},
+                 {"values", values}};
+    if (!points.length_unit.empty()) json["length_unit"] = points.length_unit;
+    return json;
 }
 
 /// Particles of one type of a file. Where numbers are not finite, those particles are left out, with a note.
@@ -249,11 +256,11 @@ void print(const Points& points, const std::string& type, const std::vector<std:
     const Box box = bounds(points);
     print_line(type.empty() ? "particles" : fmt::format("particles '{}'", type));
     fact("count", count_text(points.size()));
-    fact("box", text(box));
+    fact("box", text(box) + after_number(points.length_unit));
     fact("velocities", points.velocity.empty() ? "none" : "yes");
     for (const ValueRange& range : value_ranges(points))
         fact(range.name,
-             fmt::format("{:.6g} to {:.6g}", range.low, range.high) +
+             fmt::format("{:.6g} to {:.6g}", range.low, range.high) + after_number(range.unit) +
                  (range.missing ? fmt::format(", {} missing", count_text(range.missing)) : ""));
     for (const std::string& note : notes) fact("note", note);
 }

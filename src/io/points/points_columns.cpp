@@ -90,6 +90,11 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
                 fmt::join(head.names, ", ")));
         const std::vector<std::size_t> velocity = velocity_columns(head.names);
         columns.insert(columns.end(), velocity.begin(), velocity.end());
+        if (head.counted)
+            note = fmt::format(
+                "columns numbered from 0, without names: {}, {}, {} are x, y, z "
+                "(--columns names others)",
+                columns[0] + 1, columns[1] + 1, columns[2] + 1);
         return columns;
     }
     // Without names: the first three numbers; of six, the others as velocity, but in scans, which have colours there.

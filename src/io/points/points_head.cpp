@@ -149,6 +149,25 @@ Names extended_names(std::string_view title) {
     return names;
 }
 
+bool is_whole(std::string_view field) {
+    return !field.empty() && field.find_first_not_of("0123456789") == field.npos;
+}
+
+/// Columns of a line that counts them from 0, as pandas writes columns without names, with an empty field above its index: "0,1,2"
+/// or ",0,1,2". The position is in the first three that are counted.
+/// returns  empty for other lines
+Names counted_names(const Fields& fields) {
+    const std::size_t index = !fields.empty() && fields.front().empty();
+    if (fields.size() < index + 3) return {};
+    Names names;
+    for (std::size_t n = 0; n < fields.size(); ++n) {
+        if (n >= index && fields[n] != std::to_string(n - index)) return {};
+        names.push_back(n >= index && n < index + 3 ? std::string(1, "xyz"[n - index])
+                                                    : number_name(n));
+    }
+    return names;
+}
+
 /// Text behind `key` in a line of YAML, up to a comma or brace; empty: the line has no such key.
 std::string entry_of(std::string_view line, std::string_view key) {
     const std::size_t at = line.find(key);
@@ -186,6 +205,11 @@ class HeadReader {
                 headers_.push_back(line);
                 continue;
             }
+            if (is_counted_header(fields)) {
+                own_names_ = counted_names(fields);
+                head_.counted = true;
+                continue;
+            }
             text_ = before;
             read_rows();
             return std::move(head_);
@@ -195,8 +219,16 @@ class HeadReader {
 
   private:
     bool is_count(const Fields& fields) const {
-        return !head_.count && filled(fields) == 1 &&
-               fields.front().find_first_not_of("0123456789") == fields.front().npos;
+        return !head_.count && filled(fields) == 1 && is_whole(fields.front());
+    }
+    /// Whether a line counts columns that have no names: one with an index, or above numbers that are not all whole.
+    bool is_counted_header(const Fields& fields) const {
+        if (!own_names_.empty() || counted_names(fields).empty()) return false;
+        std::string_view rest = text_;
+        const Fields next =
+            split_fields(trimmed(take_line(rest), head_.separator), head_.separator);
+        return next.size() == fields.size() &&
+               (fields.front().empty() || !std::ranges::all_of(next, is_whole));
     }
     static bool is_header(const Fields& fields) {
         if (names_position(fields)) return true;
@@ -224,7 +256,7 @@ class HeadReader {
             if (!head_.may_be_title || !title_) return;
         }
         head_.titled = true;
-        extended_ = extended_names(title);
+        own_names_ = extended_names(title);
         comments_.push_back(without_mark(title));
         text_ = rest;
         ++head_.line;
@@ -284,11 +316,11 @@ class HeadReader {
     /// Chooses the line that names the columns: one with x, y and z first, of headers the first, of comments the last.
     template <class Take>
     void name_columns(const Take& take, std::size_t columns) {
-        if (!extended_.empty()) {
-            if (extended_.size() == columns)
-                head_.names = extended_;
+        if (!own_names_.empty()) {
+            if (own_names_.size() == columns)
+                head_.names = own_names_;
             else
-                head_.misfit = fmt::format("Properties names {} columns", extended_.size());
+                head_.misfit = fmt::format("Properties names {} columns", own_names_.size());
             return;
         }
         std::vector<std::string_view> lines = headers_;
@@ -329,7 +361,7 @@ class HeadReader {
     bool xyz_, title_;
     PointHead head_;
     std::vector<std::string_view> headers_, comments_;
-    Names extended_;
+    Names own_names_;  ///< of extended XYZ or of counted columns; empty: none
 };
 
 }  // namespace

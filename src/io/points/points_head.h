@@ -22,7 +22,8 @@ struct PointHead {
     std::uint64_t line = 0;                      ///< number of the first particle's line, from 0
     std::optional<std::uint64_t> count;          ///< number of particles that a line states
     std::uint64_t count_line = 0;                ///< number of that line, from 0
-    bool titled = false;  ///< chemistry's XYZ: count, title, then lines that start with an element
+    bool titled = false;   ///< chemistry's XYZ: count, title, then lines that start with an element
+    bool counted = false;  ///< a line numbers the columns from 0 in place of names
     bool may_be_title = false;  ///< the first particle's line may be the title instead
 
     std::size_t columns() const { return rows.front().size(); }
