@@ -58,18 +58,11 @@ class Block {
     struct Cell {
         double corner[2][2][2];  ///< [x][y][z]
         double w[3];             ///< weights of the upper planes, [0, 1]
+        int voxel[3];            ///< the first corner, from the block's
 
         double value() const {
             return mix(mix(along_z(0, 0), along_z(0, 1), w[1]),
                        mix(along_z(1, 0), along_z(1, 1), w[1]), w[0]);
-        }
-        /// Gradient of the trilinear field, per voxel.
-        Vec3d gradient() const {
-            const auto rise = [&](int x, int y) { return corner[x][y][1] - corner[x][y][0]; };
-            return {
-                mix(along_z(1, 0) - along_z(0, 0), along_z(1, 1) - along_z(0, 1), w[1]),
-                mix(along_z(0, 1) - along_z(0, 0), along_z(1, 1) - along_z(1, 0), w[0]),
-                mix(mix(rise(0, 0), rise(0, 1), w[1]), mix(rise(1, 0), rise(1, 1), w[1]), w[0])};
         }
 
       private:
@@ -85,6 +78,7 @@ class Block {
             const double from_lower = point[axis] - lower_[axis];
             const int cell = std::clamp(static_cast<int>(from_lower), 0, kLeafEdge - 1);
             made.w[axis] = from_lower - cell;
+            made.voxel[axis] = cell;
             for (int side = 0; side < 2; ++side) {
                 const auto plane = static_cast<std::uint32_t>(cell + side);
                 block[axis][side] = plane >> 3 << (2 - axis);
@@ -104,6 +98,58 @@ class Block {
   private:
     Vec3d lower_;
     std::array<BlockValues, 8> values_;
+};
+
+/// Gradients in a block: central differences at voxel centres, trilinear between these.
+class BlockGradient {
+  public:
+    BlockGradient(const NanoRoot& root, Vec3d index) {
+        for (int n = 0; n < 27; ++n) {
+            const auto along = [&](double first, int block) {
+                return static_cast<int>(first) + (block % 3 - 1) * kLeafEdge;
+            };
+            values_[static_cast<std::size_t>(n)] =
+                find_block(root, {along(index.x, n / 9), along(index.y, n / 3), along(index.z, n)});
+        }
+    }
+    /// Per voxel.
+    Vec3d operator()(const Block::Cell& cell) const {
+        // Along each axis: the planes before the cell, of its corners, and behind it.
+        std::uint32_t block[3][4], offset[3][4];
+        for (int axis = 0; axis < 3; ++axis)
+            for (int n = 0; n < 4; ++n) {
+                const auto plane = static_cast<std::uint32_t>(cell.voxel[axis] + n - 1 + kLeafEdge);
+                block[axis][n] = plane >> 3;
+                offset[axis][n] = (plane & 7) << 3 * (2 - axis);
+            }
+        const auto value = [&](int x, int y, int z) {
+            return double{values_[9 * block[0][x] + 3 * block[1][y] + block[2][z]]
+                                 [offset[0][x] | offset[1][y] | offset[2][z]]};
+        };
+        Vec3d sum;
+        for (int a = 0; a < 2; ++a)
+            for (int b = 0; b < 2; ++b) {
+                const auto weight = [&](int first, int second) {
+                    return 0.5 * (a ? cell.w[first] : 1 - cell.w[first]) *
+                           (b ? cell.w[second] : 1 - cell.w[second]);
+                };
+                // Central differences at both ends of an edge of the cell, from the four values along it.
+                const auto slope = [](double w, double v0, double v1, double v2, double v3) {
+                    return (1 - w) * (v2 - v0) + w * (v3 - v1);
+                };
+                const auto& corner = cell.corner;
+                sum.x += weight(1, 2) * slope(cell.w[0], value(0, a + 1, b + 1), corner[0][a][b],
+                                              corner[1][a][b], value(3, a + 1, b + 1));
+                sum.y += weight(0, 2) * slope(cell.w[1], value(a + 1, 0, b + 1), corner[a][0][b],
+                                              corner[a][1][b], value(a + 1, 3, b + 1));
+                sum.z += weight(0, 1) * slope(cell.w[2], value(a + 1, b + 1, 0), corner[a][b][0],
+                                              corner[a][b][1], value(a + 1, b + 1, 3));
+            }
+        return sum;
+    }
+
+  private:
+    std::array<BlockValues, 27> values_;  ///< the block's own in the middle
 };
 
 /// Midpoint rule with samples at start + (k + 1/2) spacing, so that their positions do not depend on

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "render/reference/fields/linear_volume.h"
 #include "render/reference/reference.h"
 #include "render/reference/reference_grid.h"
 #include "support/data.h"
@@ -198,6 +199,43 @@ TEST(reference_linear, real_data_are_close_to_their_constant_field) {
         EXPECT_NEAR(b.at(n, 96 - n),
                     test::brute_linear_depth(volume, frame.eye, frame.direction(n, 96 - n)),
                     1e-6 * (1 + b.at(n, 96 - n)));
+}
+
+TEST(reference_linear, gradients_of_a_quadratic_field_are_exact_across_leaves) {
+    // Central differences of a quadratic polynomial are its derivatives, which are linear: interpolation keeps them.
+    const auto value_at = [](Vec3d p) { return 300 + p.x * p.x + 2 * p.y * p.z - 0.5 * p.z * p.z; };
+    const auto gradient_at = [](Vec3d p) { return Vec3d{2 * p.x, 2 * p.z, 2 * p.y - p.z}; };
+    Volume volume;
+    for (int n = 0; n < 8; ++n) {
+        Leaf leaf;
+        leaf.origin = {n & 4 ? 0 : -8, n & 2 ? 0 : -8, n & 1 ? 0 : -8};
+        for (int at = 0; at < kLeafVoxels; ++at) {
+            const Vec3i voxel = leaf.origin + Vec3i{at >> 6, at >> 3 & 7, at & 7};
+            leaf.set(at, static_cast<float>(value_at(vec_cast<double>(voxel))));
+        }
+        volume.leaves.push_back(leaf);
+    }
+    volume.world_from_index.linear = {{Vec3d{2, 0, 0}, Vec3d{0, 0.5, 0}, Vec3d{0, 0, 1}}};
+    VoxelField own;
+    own.component.resize(1);
+    const LinearVolume grid(volume, own, {Interpolation::linear, 0.25});
+    ASSERT_TRUE(grid.own());
+    const Vec3d along{3, 0.75, 2.5};  // world
+    int samples = 0;
+    grid.walk({-9, -1.5, -6}, along, Segment{},
+              [&](const LinearVolume::Sample& sample, double t, double) {
+                  const Vec3d world = Vec3d{-9, -1.5, -6} + t * along;
+                  const Vec3d index{world.x / 2, world.y / 0.5, world.z};
+                  for (int axis = 0; axis < 3; ++axis)
+                      if (!(std::abs(index[axis] + 0.5) < 6.5)) return true;
+                  const Vec3d expected = gradient_at(index), found = sample.gradient();
+                  EXPECT_NEAR(found.x, expected.x / 2, 1e-4);
+                  EXPECT_NEAR(found.y, expected.y / 0.5, 1e-4);
+                  EXPECT_NEAR(found.z, expected.z, 1e-4);
+                  ++samples;
+                  return true;
+              });
+    EXPECT_GT(samples, 20);
 }
 
 }  // namespace

@@ -22,14 +22,7 @@ class LinearVolume {
     bool own() const { return !parts_; }
 
     /// The field at a point.
-    struct Sample {
-        double density = 0, value = 0;
-        Vec3d gradient;  ///< of the interpolated field, per voxel
-    };
-    /// Gradient per world unit.
-    Vec3d world_gradient(const Sample& sample) const {
-        return transpose(density_.data().local_from_world) * sample.gradient;
-    }
+    class Sample;
 
     /// Calls visit(Sample, t, dt) at the middles of equal steps of the ray, front to back, wherever an active voxel is near,
     /// until it returns false.
@@ -65,9 +58,9 @@ class LinearVolume {
             const double end = steps.first(segment.last);
             double k = steps.first(segment.first);
             if (!goes_on || !(k < end)) return;
-            const Vec3d index = lower + of.density_.data().corner;
+            Gradients gradients{of, lower + of.density_.data().corner, {}, {}};
             const auto block_of = [&](const VoxelGrid& grid) {
-                return Block(grid.data().tree.root(), index, lower);
+                return Block(grid.data().tree.root(), gradients.index, lower);
             };
             const Block density = block_of(of.density_);
             std::optional<Block> weighted, weight;
@@ -79,21 +72,27 @@ class LinearVolume {
                 const Vec3d point = ray.origin + t * ray.direction;
                 const Block::Cell at = density.at(point);
                 if (!of.parts_) {
-                    const double value = at.value();
-                    goes_on = visit(Sample{value, value + of.background_, at.gradient()}, t,
-                                    steps.spacing);
+                    goes_on = visit(Sample(at, gradients), t, steps.spacing);
                 } else if (const Block::Cell near = weight->at(point); near.value() > 0) {
-                    goes_on =
-                        visit(of.mean(at.value(), weighted->at(point), near), t, steps.spacing);
+                    goes_on = visit(Sample(at.value(), weighted->at(point), near, gradients), t,
+                                    steps.spacing);
                 }
             }
         }
     };
-    Sample mean(double density, const Block::Cell& weighted, const Block::Cell& weight) const {
-        const double by = 1 / weight.value(), share = by * weighted.value();
-        return {density, parts_->lower + parts_->range * share,
-                (parts_->range * by) * (weighted.gradient() - share * weight.gradient())};
-    }
+
+    /// Gradients in a block of 8^3 voxels, of the density, or of parts; made where the first light needs one.
+    struct Gradients {
+        const LinearVolume& of;
+        Vec3d index;  ///< of the block's first voxel
+        std::optional<BlockGradient> own, weight;
+
+        Vec3d at(const VoxelGrid& grid, std::optional<BlockGradient>& made,
+                 const Block::Cell& cell) const {
+            if (!made) made.emplace(grid.data().tree.root(), index);
+            return (*made)(cell);
+        }
+    };
 
     /// A field that is not the density: shares of its range, and 1, at active voxels.
     struct Parts {
@@ -103,6 +102,43 @@ class LinearVolume {
     VoxelGrid density_;
     std::optional<Parts> parts_;
     double background_;  ///< value of the density itself as a field where the density is 0
+};
+
+class LinearVolume::Sample {
+  public:
+    Sample(const Block::Cell& own, Gradients& gradients)
+        : density(own.value()),
+          value(density + gradients.of.background_),
+          cell_(own),
+          gradients_(gradients) {}
+    Sample(double own, const Block::Cell& weighted, const Block::Cell& weight, Gradients& gradients)
+        : density(own),
+          value(gradients.of.parts_->lower +
+                gradients.of.parts_->range * weighted.value() / weight.value()),
+          cell_(weighted),
+          weight_(weight),
+          gradients_(gradients) {}
+
+    double density, value;
+
+    /// Of the field, per world unit.
+    Vec3d gradient() const {
+        const LinearVolume& of = gradients_.of;
+        const auto& parts = of.parts_;
+        Vec3d per_voxel =
+            gradients_.at(parts ? parts->weighted : of.density_, gradients_.own, cell_);
+        if (parts) {
+            const Vec3d of_weight = gradients_.at(parts->weight, gradients_.weight, *weight_);
+            const double by = 1 / weight_->value();
+            per_voxel = (parts->range * by) * (per_voxel - by * cell_.value() * of_weight);
+        }
+        return transpose(of.density_.data().local_from_world) * per_voxel;
+    }
+
+  private:
+    Block::Cell cell_;
+    std::optional<Block::Cell> weight_;
+    Gradients& gradients_;
 };
 
 }  // namespace vog::reference

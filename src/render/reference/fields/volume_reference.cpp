@@ -38,7 +38,7 @@ class VoxelLight : public FieldLight {
     ValueLight operator()(const LinearVolume& grid, const LinearVolume::Sample& sample,
                           const WorldRay& ray, double t) const {
         return lit(sample.value, grid.own() ? 1 : sample.density, ray, t,
-                   [&] { return grid.world_gradient(sample); });
+                   [&] { return sample.gradient(); });
     }
 };
 
