@@ -79,6 +79,8 @@ TEST(request_options, bands_and_surfaces_are_sorted) {
     EXPECT_EQ(bands[1].upper, 7);  // a surface ends where the next band begins
     EXPECT_EQ(bands[1].opacity, kMostOpacity);
     EXPECT_TRUE(std::isinf(bands[3].upper));
+    EXPECT_EQ(request_json(request_of("--show volume --iso 2")),
+              request_json(request_of("--show volume --iso 2,ivory")));
 }
 
 TEST(request_options, words_that_are_none_are_refused) {
@@ -90,6 +92,7 @@ TEST(request_options, words_that_are_none_are_refused) {
     expect_in(volume_refused("--band 1,3,#12345g,0.5"), "#12345g");
     expect_in(volume_refused("--band 1,3,red,2"), "opacity 2");
     expect_in(volume_refused("--band 1,3,red"), "--band 1,3,red: expected");
+    expect_in(volume_refused("--iso high"), "or the value of a surface");
     expect_in(volume_refused("--band 1,nan,red,1"), "--band nan: expected a number");
     expect_in(volume_refused("--iso red,2"), "--band red: expected a number");
     expect_in(volume_refused("--window 3,0"), "--window 3,0: expected CENTRE,WIDTH");

@@ -79,8 +79,8 @@ void add_option(CLI::App& command, RequestWords& words, const RequestMember& mem
         if (key != "bands") return add_row(option_of(key), member.takes + ": " + text);
         add_row("--band", "LO,HI,COLOUR,OPACITY: " + text);
         add_row("--iso",
-                "VALUE,COLOUR: Surface: values from VALUE on are opaque, up to the next --iso or "
-                "--band; may be given again");
+                "VALUE[,COLOUR]: Surface (ivory): values from VALUE on are opaque, up to the next "
+                "--iso or --band; may be given again");
     } else if (member.takes.empty() && member.choices.empty()) {
         command.add_flag_function(
             option_of(key), [take](std::int64_t) { take({"true"}); }, text);

@@ -61,14 +61,16 @@ Json bands_json(const std::vector<ValueBand>& bands) {
                         band.opacity});
     return rows;
 }
-/// Sorted bands; one without an upper end ends where the next one begins.
+/// Sorted bands; one without an upper end ends where the next one begins. A surface without a colour is ivory.
 void set_bands(const std::string& key, const Json& value, std::vector<ValueBand>& bands) {
     const std::string expected =
-        "lower, upper, colour and opacity of a band, or value and colour of a surface";
+        "lower, upper, colour and opacity of a band, or the value of a surface and, if not ivory, "
+        "its colour";
     bands.clear();
     if (value.is_null()) return;
     if (!value.is_array() || value.empty()) refuse(key, value, expected);
-    for (const Json& one : value) {
+    for (const Json& given : value) {
+        const Json one = given.is_number() ? Json{given, "ivory"} : given;
         if (!one.is_array() || (one.size() != 2 && one.size() != 4)) refuse(key, one, expected);
         const bool surface = one.size() == 2;
         ValueBand band;
