@@ -324,45 +324,45 @@ TEST(light, of_several_directions_is_the_sum_of_single_ones) {
     // Below white, at which colours end.
     const std::vector<DirectionalLight> lights{
         {{1, 2, -1}, false, 0.2}, {{}, false, 0.1}, {{-3, 0.5, 2}, false, 0.15}};
-    for (const bool surfaces : {false, true})
-        for (const double g : {0.0, 0.3}) {
-            const auto drawn = [&](std::vector<DirectionalLight> of) {
-                VolumeLook look;
-                look.shadows = true, look.light = surfaces, look.asymmetry = g;
-                look.ambient = 0, look.diffuse = 0.5, look.specular = 0.1;
-                look.lights = std::move(of);
-                SlabOptions options;
-                options.look = look, options.precision = 0;  // every pixel
-                std::vector<VolumeImage> all{
-                    render_volume_reference({&volume, 1}, {&values, 1}, white(0.3), aside,
-                                            kLightEdge, kLightEdge, {}, look),
-                    render_volume_splat(model, field.name, transfer, camera, kLightEdge, kLightEdge,
-                                        options),
-                    render_volume_trace(model, field.name, transfer, camera, kLightEdge, kLightEdge,
-                                        {}, {}, look)};
-                for (const Gpu& gpu : gpus()) {
-                    gpu.prepare();
-                    all.push_back(GpuPictures(gpu.renderer, model)
-                                      .volume(field.name, transfer, camera, kLightEdge, kLightEdge,
-                                              options.slabs, look));
-                }
-                return all;
-            };
-            const auto together = drawn(lights);
-            std::vector<std::vector<VolumeImage>> single;
-            for (const DirectionalLight& light : lights) single.push_back(drawn({light}));
-            for (std::size_t n = 0; n < together.size(); ++n) {
-                double brightest = 0, worst = 0;
-                for (std::size_t pixel = 0; pixel < together[n].pixel.size(); ++pixel) {
-                    double sum = 0;
-                    for (const auto& pictures : single) sum += double{pictures[n].pixel[pixel].g};
-                    brightest = std::max(brightest, sum);
-                    worst = std::max(worst, std::abs(sum - double{together[n].pixel[pixel].g}));
-                }
-                EXPECT_GT(brightest, 0.02) << n;
-                EXPECT_LT(worst, 2e-5) << n << ' ' << surfaces << ' ' << g;
+    for (const bool surfaces : {false, true}) {
+        const double g = surfaces ? 0 : 0.3;
+        const auto drawn = [&](std::vector<DirectionalLight> of) {
+            VolumeLook look;
+            look.shadows = true, look.light = surfaces, look.asymmetry = g;
+            look.ambient = 0, look.diffuse = 0.5, look.specular = 0.1;
+            look.lights = std::move(of);
+            SlabOptions options;
+            options.look = look, options.precision = 0;  // every pixel
+            std::vector<VolumeImage> all{
+                render_volume_reference({&volume, 1}, {&values, 1}, white(0.3), aside, kLightEdge,
+                                        kLightEdge, {}, look),
+                render_volume_splat(model, field.name, transfer, camera, kLightEdge, kLightEdge,
+                                    options),
+                render_volume_trace(model, field.name, transfer, camera, kLightEdge, kLightEdge, {},
+                                    {}, look)};
+            for (const Gpu& gpu : gpus()) {
+                gpu.prepare();
+                all.push_back(GpuPictures(gpu.renderer, model)
+                                  .volume(field.name, transfer, camera, kLightEdge, kLightEdge,
+                                          options.slabs, look));
             }
+            return all;
+        };
+        const auto together = drawn(lights);
+        std::vector<std::vector<VolumeImage>> single;
+        for (const DirectionalLight& light : lights) single.push_back(drawn({light}));
+        for (std::size_t n = 0; n < together.size(); ++n) {
+            double brightest = 0, worst = 0;
+            for (std::size_t pixel = 0; pixel < together[n].pixel.size(); ++pixel) {
+                double sum = 0;
+                for (const auto& pictures : single) sum += double{pictures[n].pixel[pixel].g};
+                brightest = std::max(brightest, sum);
+                worst = std::max(worst, std::abs(sum - double{together[n].pixel[pixel].g}));
+            }
+            EXPECT_GT(brightest, 0.02) << n;
+            EXPECT_LT(worst, 2e-5) << n << ' ' << surfaces << ' ' << g;
         }
+    }
 }
 
 TEST(light, fixed_to_the_camera_turns_with_the_view) {
