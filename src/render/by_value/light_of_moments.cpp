@@ -134,7 +134,11 @@ void join_pieces(std::vector<device::LightPiece>& pieces) {
 }  // namespace
 
 ValueRange value_range(const ScalarField& field) {
-    if (field.upper > field.lower) return {field.lower, field.upper, field.background};
+    const bool labels =
+        std::ranges::all_of(field.value, [](float value) { return value == std::rint(value); }) &&
+        std::ranges::all_of(field.deviation, [](float deviation) { return deviation == 0; }) &&
+        std::ranges::all_of(field.gradient, [](Vec3f gradient) { return gradient == Vec3f{}; });
+    if (field.upper > field.lower) return {field.lower, field.upper, field.background, labels};
     const double margin = std::max(std::abs(field.lower), 1e-300) * 1e-3;
     return {field.lower - margin, field.upper + margin, field.background};
 }
@@ -154,7 +158,7 @@ LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& 
     low = std::max(low - margin, 0.0), high = std::min(high + margin, 1.0);
     shape_.low = static_cast<float>(low), shape_.high = static_cast<float>(high);
     shape_.per_range = 0.5f, shape_.per_part = static_cast<float>(0.5 / (high - low));
-    fill_table();
+    fill_table(range.labels);
     resolved_ = follows();
 }
 
@@ -200,7 +204,7 @@ float LightOfMoments::value_at(double position) const {
                                                   (position - at_low) / (at_high - at_low));
 }
 
-void LightOfMoments::fill_table() {
+void LightOfMoments::fill_table(bool labels) {
     constexpr int kColumns = device::MeanLight::kColumns, kOctaves = device::MeanLight::kOctaves;
     const device::LightPieces pieces = mean_light().pieces;
     table_.resize(std::size_t{4} * device::MeanLight::kRows * kColumns);
@@ -209,7 +213,7 @@ void LightOfMoments::fill_table() {
         value[static_cast<std::size_t>(n)] = value_at(double(n) / (kColumns - 1));
     vog::parallel_for(0, device::MeanLight::kRows, [&](int row) {
         const double deviation =
-            row == 0
+            row == 0 || labels
                 ? 0
                 : std::sqrt(double{device::MeanLight::kMostVariance} * std::exp2(row - kOctaves));
         // A quarter of the deviation apart, and linear between; columns are at most 2 / kColumns apart.

@@ -16,6 +16,8 @@ namespace vog::by_value {
 struct ValueRange {
     double lower = 0, upper = 1;
     double background = 0;  ///< of the measure itself: its density is the value above this
+    /// Whether all values are whole and none has a spread: where two labels meet, none lies between them.
+    bool labels = false;
     double share(double value) const { return (value - lower) / (upper - lower); }
     double value(double share) const { return lower + share * (upper - lower); }
 };
@@ -52,7 +54,7 @@ class LightOfMoments {
   private:
     void add_pieces(const ValueTransfer& transfer, const ValueRange& range, bool per_value,
                     double unit);
-    void fill_table();
+    void fill_table(bool labels);
     bool follows() const;
     float value_at(double position) const;
 

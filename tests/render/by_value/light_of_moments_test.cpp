@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/device/value_moments.h"
+
 namespace vog {
 
 using namespace by_value;
@@ -88,6 +90,28 @@ TEST(light_of_moments, the_table_follows_the_closed_form) {
             for (std::size_t c = 0; c < 4; ++c)
                 EXPECT_NEAR(found[c], expected[c], 0.015f * most) << mean << ' ' << deviation;
         }
+}
+
+TEST(light_of_moments, no_label_lies_between_two_that_meet) {
+    // Half of label 0 and half of 1 reach to 2 as normal distributions, a little: dense volumes show that.
+    const ValueTransfer second{
+        "second", {{0, 1, 0, 0}, {5, 1, 0, 0}}, {{1.5, 0}, {1.5, 0.9}, {2.5, 0.9}, {2.5, 0}}, 1};
+    ScalarField field;
+    field.lower = 0, field.upper = 5;
+    field.value = {0, 1, 2, 5}, field.gradient.resize(4), field.deviation.resize(4);
+    ASSERT_TRUE(value_range(field).labels);
+    const LightOfMoments labels(second, value_range(field), false);
+    field.value[1] = 1.5f;
+    ASSERT_FALSE(value_range(field).labels);
+    const LightOfMoments values(second, value_range(field), false);
+    const float mean = 0.5f / 5, variance = 0.25f / 25, third = 0;
+    const auto extinction = [&](const LightOfMoments& light) {
+        float out[4];
+        device::mean_light_of(light.mean_light(), {1, mean, variance, third, {0, 0, 0}}, 1, out);
+        return out[3];
+    };
+    EXPECT_GT(extinction(values), 1e-5f);
+    EXPECT_EQ(extinction(labels), 0);
 }
 
 TEST(light_of_moments, any_band_is_met_beside_any_range) {
