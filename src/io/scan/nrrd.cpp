@@ -408,6 +408,11 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
                               printable(head.text("units"), 40)));
     set_units(file, units, grid);
     ScanFile scan;
+    // So ITK writes images of four axes, without the name of its space.
+    if (head.fields.contains("space dimension") && head.text("space dimension") == "4")
+        scan.note =
+            "places are as the file has them, without a space; if ITK wrote it, its x runs to "
+            "the left and its y to the back";
     scan.read = reader_of(array);
     scan.grids = named_copies(grid, nrrd_names(head, dimension, axes, array.grids));
     return scan;
