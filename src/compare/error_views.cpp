@@ -62,8 +62,9 @@ std::vector<Camera> error_views(const Box& box) {
 namespace comparison {
 
 void SquareSums::add(double error2, double norm2) {
+    if (!(norm2 > 0)) return;  // plates seen edge-on, narrower than a pixel
     error2_ += error2, norm2_ += norm2;
-    if (norm2 > 0) worst2_ = std::max(worst2_, error2 / norm2);
+    worst2_ = std::max(worst2_, error2 / norm2);
 }
 
 RelativeError SquareSums::error() const {

@@ -71,7 +71,7 @@ TEST(error_views, are_framed_by_the_mass_where_one_voxel_is_far_away) {
 
 TEST(error_views, an_error_of_nothing_visible_is_refused) {
     SquareSums sums;
-    sums.add(0, 0);
+    sums.add(5, 0);  // a plate edge-on, which a model is drawn wider than
     EXPECT_THROW((void)sums.error(), Error);
     sums.add(0.01, 1), sums.add(0.09, 1);
     EXPECT_DOUBLE_EQ(sums.error().worst, 0.3);
