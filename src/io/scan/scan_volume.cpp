@@ -130,6 +130,19 @@ std::string where_of(const std::filesystem::path& file, const ScanGrid& grid) {
     return fmt::format("{}: grid '{}'", file.string(), grid.name);
 }
 
+/// Adds to the file's note that single precision has not all whole numbers of a grid.
+void note_rounded(const ScanGrid& grid, const BigVector<float>& value, std::string& note) {
+    constexpr float kMost = 1 << 24;
+    if (grid.type.find("int32") == std::string::npos &&
+        grid.type.find("int64") == std::string::npos)
+        return;
+    if (std::ranges::none_of(value, [](float v) { return std::abs(v) > kMost; })) return;
+    note += fmt::format(
+        "{}whole numbers beyond {} are rounded to single precision, and labels "
+        "that large may be one",
+        note.empty() ? "" : "; ", kMost);
+}
+
 std::string note_of(const std::filesystem::path& file, const ScanFile& scan) {
     return scan.note.empty() ? scan.note
                              : printable(fmt::format("{}: {}", file.string(), scan.note));
@@ -185,7 +198,7 @@ GridInfo info_of(const std::filesystem::path& file, const ScanGrid& grid, BigVec
 Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, ValueNotes* notes,
                  std::string* departure) {
     return with_memory_errors(file, [&] {
-        const ScanFile scan = open_scan(file);
+        ScanFile scan = open_scan(file);
         const std::size_t n = chosen_grid(scan, file, {options.grid, options.refuse_several});
         const ScanGrid& grid = scan.grids[n];
         const std::string where = where_of(file, grid);
@@ -194,6 +207,7 @@ Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, V
                 fmt::format("{}: a dense image, expected a level set to convert to fog", where));
         ValueNotes found;
         BigVector<float> value = scan.read(n);
+        note_rounded(grid, value, scan.note);
         double background = 0;
         if (!options.ones && !options.mask)
             background = options.values.background      ? *options.values.background
@@ -234,8 +248,10 @@ std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file) {
         for (const ScanGrid& grid : scan.grids) {
             BigVector<float> value = scan.read(all.size());
             const double background = background_of(grid, value);
+            std::string note = scan.note;
+            note_rounded(grid, value, note);
             all.push_back({info_of(file, grid, std::move(value), background), grid.coordinates,
-                           grid.length_unit, grid.value_unit, scan.note, background});
+                           grid.length_unit, grid.value_unit, note, background});
         }
         return all;
     });

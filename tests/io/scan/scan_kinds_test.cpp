@@ -59,6 +59,24 @@ TEST(scan_kinds, metaimage) {
     });
 }
 
+TEST(scan_kinds, whole_numbers_that_floats_round_are_noted) {
+    const TempDir dir;
+    const auto note_of = [&](std::int32_t label) {
+        std::vector<std::int32_t> labels(24, 1);
+        labels[5] = label;
+        Nifti nifti;
+        nifti.datatype = 8;
+        std::ofstream(dir / "a.nii", std::ios::binary) << nifti.head() << bytes_of(labels);
+        std::vector<std::string> notes;
+        (void)read_volume(dir / "a.nii", {.values = {.background = 0}}, &notes);
+        const std::string note = inspect_volume(dir / "a.nii")[0].note;
+        EXPECT_EQ(notes.empty(), note.empty());
+        return note;
+    };
+    EXPECT_EQ(note_of(1 << 24), "");
+    EXPECT_NE(note_of(312782574).find("beyond 16777216 are rounded"), std::string::npos);
+}
+
 TEST(scan_kinds, nrrd) {
     const Affine voxels = diagonal({2, 2, 3});
     const std::string raw = "encoding: raw\n";
