@@ -9,6 +9,7 @@
 #include <charconv>
 
 #include "io/file_extension.h"
+#include "io/points/column_names.h"
 #include "io/points/points_files.h"
 #include "io/points/points_head.h"
 #include "io/points/text_fields.h"
@@ -43,9 +44,6 @@ std::size_t find_column(const PointHead& head, const std::string& column) {
 std::size_t first_coordinate(const PointHead& head) {
     const auto all_rows = [&](std::size_t column, const auto& test) {
         return std::ranges::all_of(head.rows, [&](const auto& row) { return test(row[column]); });
-    };
-    const auto is_whole = [](const std::string& field) {
-        return !field.empty() && field.find_first_not_of("0123456789") == field.npos;
     };
     const auto is_element = [&](const std::string& field) {
         constexpr int kMostElements = 118;

@@ -5,9 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <span>
 
+#include "io/points/column_names.h"
 #include "io/points/text_fields.h"
 #include "vog/error.h"
 #include "vog/text.h"
@@ -16,46 +15,8 @@ namespace vog::point_files {
 
 namespace {
 
-using Fields = std::vector<std::string_view>;
-using Names = std::vector<std::string>;
-
 /// Particles that are looked at for separators, columns and their types.
 constexpr std::size_t kSample = 64;
-
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return result;
-}
-
-/// Name without its unit: "x" of "X [kpc]".
-std::string plain_name(const std::string& name) {
-    return lower(trimmed(std::string_view(name).substr(0, name.find_first_of("[("))));
-}
-
-std::vector<std::size_t> named_three(const Names& names,
-                                     std::span<const std::string_view> prefixes) {
-    for (const std::string_view prefix : prefixes)
-        for (const std::string_view letters : {"xyz", "012"}) {
-            if (prefix.empty() && letters == "012") continue;
-            std::vector<std::size_t> found;
-            std::string repeated;
-            for (const char letter : letters) {
-                const std::string name = std::string(prefix) + letter;
-                const auto at = std::ranges::find(names, name, plain_name);
-                if (at == names.end()) break;
-                found.push_back(static_cast<std::size_t>(at - names.begin()));
-                if (std::ranges::count(names, name, plain_name) > 1) repeated = name;
-            }
-            if (found.size() < 3) continue;
-            if (repeated.empty()) return found;
-            throw Error(
-                fmt::format("two columns called '{}', expected one, or the numbers of "
-                            "three columns (--columns)",
-                            repeated));
-        }
-    return {};
-}
 
 /// Number of numbers among the fields of a line, those with a decimal comma included.
 std::size_t count_numbers(std::string_view line, char separator) {
@@ -113,72 +74,6 @@ Names names_of(const Fields& fields) {
     return names;
 }
 
-bool names_position(const Fields& fields) {
-    try {
-        return !position_columns(Names(fields.begin(), fields.end())).empty();
-    } catch (const Error&) {
-        return true;
-    }
-}
-
-/// Columns of extended XYZ: "Properties=species:S:1:pos:R:3" has species, pos_x, pos_y, pos_z.
-/// returns  empty without the word, or where it is malformed
-Names extended_names(std::string_view title) {
-    constexpr std::string_view kKey = "properties=";
-    const std::size_t at = lower(title).find(kKey);
-    if (at == title.npos) return {};
-    std::string_view list = title.substr(at + kKey.size());
-    if (list.starts_with('"')) list = list.substr(1, list.find('"', 1) - 1);
-    list = list.substr(0, list.find_first_of(" \t"));
-    Names names;
-    while (!list.empty()) {
-        const std::string name(take_field(list, ':'));
-        take_field(list, ':');  // type
-        const std::string_view digits = take_field(list, ':');
-        std::size_t count = 0;
-        const auto [stop, code] =
-            std::from_chars(digits.data(), digits.data() + digits.size(), count);
-        constexpr std::size_t kMost = 1000;
-        if (code != std::errc{} || stop != digits.data() + digits.size() || count > kMost)
-            return {};
-        for (std::size_t n = 0; n < count; ++n)
-            names.push_back(count == 1   ? name
-                            : count == 3 ? name + "_" + "xyz"[n]
-                                         : fmt::format("{}_{}", name, n + 1));
-    }
-    return names;
-}
-
-bool is_whole(std::string_view field) {
-    return !field.empty() && field.find_first_not_of("0123456789") == field.npos;
-}
-
-/// Columns of a line that counts them from 0, as pandas writes columns without names, with an empty field above its index: "0,1,2"
-/// or ",0,1,2". The position is in the first three that are counted.
-/// returns  empty for other lines
-Names counted_names(const Fields& fields) {
-    const std::size_t index = !fields.empty() && fields.front().empty();
-    if (fields.size() < index + 3) return {};
-    Names names;
-    for (std::size_t n = 0; n < fields.size(); ++n) {
-        if (n >= index && fields[n] != std::to_string(n - index)) return {};
-        names.push_back(n >= index && n < index + 3 ? std::string(1, "xyz"[n - index])
-                                                    : number_name(n));
-    }
-    return names;
-}
-
-/// Text behind `key` in a line of YAML, up to a comma or brace; empty: the line has no such key.
-std::string entry_of(std::string_view line, std::string_view key) {
-    const std::size_t at = line.find(key);
-    if (at == line.npos) return {};
-    std::string_view entry = line.substr(at + key.size());
-    entry = trimmed(entry.substr(0, entry.find_first_of(",}")));
-    if (entry.size() >= 2 && (entry.front() == '"' || entry.front() == '\''))
-        entry = entry.substr(1, entry.size() - 2);
-    return std::string(entry);
-}
-
 /// Reads the lines of a head in turn.
 class HeadReader {
   public:
@@ -201,7 +96,11 @@ class HeadReader {
                 read_count(fields.front());
                 continue;
             }
-            if (is_header(fields)) {
+            if (is_header(fields) && !lacks_position(fields)) {
+                if (head_.separator && !names_position(fields) && std::ranges::count(line, '"') % 2)
+                    throw Error(fmt::format(
+                        "a quoted field begins in line {} and ends in another, expected one line",
+                        head_.line + 1));
                 headers_.push_back(line);
                 continue;
             }
@@ -229,6 +128,18 @@ class HeadReader {
             split_fields(trimmed(take_line(rest), head_.separator), head_.separator);
         return next.size() == fields.size() &&
                (fields.front().empty() || !std::ranges::all_of(next, is_whole));
+    }
+    /// Whether a line below the names is a particle without a position: NA or the like stands there.
+    bool lacks_position(const Fields& fields) const {
+        for (const auto* lines : {&headers_, &comments_})
+            for (const std::string_view line : *lines) {
+                const Fields names = header_fields(line);
+                if (!names_position(names)) continue;
+                for (const std::size_t n : position_columns({names.begin(), names.end()}))
+                    if (n < fields.size() && !fields[n].empty() && is_missing(fields[n]))
+                        return true;
+            }
+        return false;
     }
     static bool is_header(const Fields& fields) {
         if (names_position(fields)) return true;
@@ -341,15 +252,9 @@ class HeadReader {
         }
     }
 
-    /// Units of the columns: "- {name: x, unit: kpc, datatype: float64}" among the comments of ECSV by astropy, or a line of words below the names.
+    /// Units of the columns: those of ECSV, or a line of words below the names.
     void find_units() {
-        head_.units.resize(head_.names.size());
-        for (const std::string_view comment : comments_) {
-            const std::string name = entry_of(comment, "{name: "),
-                              unit = entry_of(comment, " unit: ");
-            for (std::size_t n = 0; n < head_.names.size() && !name.empty(); ++n)
-                if (head_.names[n] == name) head_.units[n] = unit;
-        }
+        head_.units = ecsv_units(comments_, head_.names);
         for (const std::string_view line : headers_) {
             const Fields fields = split_fields(line, head_.separator);
             if (fields.size() == head_.units.size() && !names_position(fields))
@@ -365,26 +270,6 @@ class HeadReader {
 };
 
 }  // namespace
-
-std::string number_name(std::size_t column) { return fmt::format("column{}", column + 1); }
-
-bool is_number(std::string_view field) {
-    double value;
-    return parse_number(field, value);
-}
-
-std::vector<std::size_t> position_columns(const Names& names) {
-    static constexpr std::string_view kPrefixes[] = {
-        "",        "pos_",    "pos",  "position_", "p",           "coord_",
-        "points:", "points_", "pos:", "position:", "coordinates_"};
-    return named_three(names, kPrefixes);
-}
-
-std::vector<std::size_t> velocity_columns(const Names& names) {
-    static constexpr std::string_view kPrefixes[] = {
-        "v", "vel_", "vel", "velocity_", "vel:", "v_", "velocity:", "velocities_", "velo_"};
-    return named_three(names, kPrefixes);
-}
 
 PointHead read_head(std::string_view text, char own, bool xyz, bool title) {
     return HeadReader(text, find_separator(text, own), xyz, title).read();

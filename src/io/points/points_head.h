@@ -29,16 +29,6 @@ struct PointHead {
     std::size_t columns() const { return rows.front().size(); }
 };
 
-/// Columns named prefix + x, y, z or prefix + 0, 1, 2, in any case and with a unit in brackets, for the first prefix that has
-/// all three; empty: none.
-/// throws  vog::Error for two columns of one such name
-std::vector<std::size_t> position_columns(const std::vector<std::string>& names);
-std::vector<std::size_t> velocity_columns(const std::vector<std::string>& names);
-
-/// Name of a column that has none, from 0.
-std::string number_name(std::size_t column);
-bool is_number(std::string_view field);
-
 /// own    separator to prefer where the lines leave a choice
 /// xyz    a count is followed by a title
 /// title  a line that may_be_title is one

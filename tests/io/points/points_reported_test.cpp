@@ -134,6 +134,11 @@ const std::vector<Case> kCases{
     {"miss_attr.csv", "x,y,z,m\n1,2,3,10\n4,5,6,\n", kTwo, "", {"m"}},
     {"miss_first.csv", "x,y,z,m\n1,2,3,\n4,5,6,7\n", kTwo, "", {"m"}},
     {"miss_x.csv", "x,y,z,m\n1,2,3,10\n,5,6,7\n", {}, ":3: got '' in column 1, expected a number"},
+    {"miss_all.csv", "x,y,z,m\nNA,NA,NA,NA\n1,2,3,1\n", {}, ":2: got 'NA' in column 1"},
+    {"miss_named.csv", "# x,y,z\nNA,NA,NA\n1,2,3\n", {}, ":2: got 'NA' in column 1"},
+    {"inch.csv", "x,y,z,size (\")\n1,2,3,1\n4,5,6,1\n", kTwo},
+    {"miss_units.csv", "x,y,z,m\nkpc,kpc,kpc,NA\n1,2,3,1\n4,5,6,1\n", kTwo},
+    {"two_lines.csv", "name,x,y,z\n\"a\nb\",1,2,3\nc,4,5,6\n", {}, "begins in line 2 and ends in"},
     {"miss_last.csv", "x,y,z,m\n1,2,3,10\n4,5,6\n", {}, ":3: got 3 columns, expected 4"},
 };
 
@@ -237,7 +242,24 @@ TEST(points_reported, positions_have_the_unit_of_their_columns) {
                 "# - {name: y, unit: \"kpc\", datatype: float64}\n# - {name: z, datatype: float64, "
                 "unit: kpc}\n"
                 "x y z\n1 2 3\n");
-    for (const char* name : {"row.csv", "brackets.csv", "table.dat"}) {
+    const std::string serialized =
+        "# meta: !!omap\n# - __serialized_columns__:\n#     x:\n"
+        "#       unit: &id001 !astropy.units.Unit {unit: kpc}\n"
+        "#       value: !astropy.table.SerializedColumn {name: x}\n#     z:\n"
+        "#       unit: !astropy.units.Unit {unit: pc}\n"
+        "#       value: !astropy.table.SerializedColumn {name: z}\n";
+    write_bytes(dir / "quantities.dat",
+                "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: x, unit: kpc, datatype: float64}\n"
+                "# - {name: y, unit: kpc, datatype: float64}\n"
+                "# - {name: z, unit: pc, datatype: float64}\n" +
+                    serialized + "x y z\n1 2 3000\n");
+    std::string lines = "# %ECSV 1.0\n# ---\n# datatype:\n";
+    for (const char* const column : {"x\n#   unit: kpc", "y\n#   unit: kpc", "z\n#   unit: pc"})
+        lines += "# - name: " + std::string(column) +
+                 "\n#   datatype: float64\n#   meta: !!omap\n#   - {ucd: pos}\n";
+    write_bytes(dir / "lines.dat", lines + "# schema: astropy-2.0\nx y z\n1 2 3000\n");
+    for (const char* name :
+         {"row.csv", "brackets.csv", "table.dat", "quantities.dat", "lines.dat"}) {
         const Points points = read_points(dir / name);
         EXPECT_EQ(points.length_unit, "kpc") << name;
         ASSERT_EQ(points.size(), 1u) << name;
