@@ -37,8 +37,8 @@ struct Points {
 
 /// Smallest axis-aligned box around all positions, world units; empty for no particles.
 Box bounds(const Points& points);
-/// Appends `other`. Where units of an attribute differ, all its values take the larger one.
-/// throws  vog::Error unless both have the same attributes, and both velocities or neither
+/// Appends `other`. Where powers of ten that divide an attribute differ, all its values take the larger one.
+/// throws  vog::Error unless both have the same attributes, both velocities or neither, and all in the same units or without
 void append(Points& points, const Points& other);
 /// Checks the lengths of the arrays, that all numbers are finite or missing (NaN; positions are never missing), and N, 1 to
 /// 2^31 - 1.

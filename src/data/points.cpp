@@ -55,16 +55,16 @@ void append(Points& points, const Points& other) {
         points = other;
         return;
     }
-    if (!points.length_unit.empty() && !other.length_unit.empty() &&
-        points.length_unit != other.length_unit)
-        throw Error(fmt::format("{}: positions in '{}', expected '{}' as in {}", where(other),
-                                other.length_unit, points.length_unit, where(points)));
-    if (points.box.empty()) points.box = other.box;
-    const auto keep_equal = [](std::string& own, const std::string& more) {
-        if (own != more) own.clear();
+    const auto require_unit = [&](const std::string& what, const std::string& more,
+                                  const std::string& own) {
+        const auto shown = [](const std::string& unit) {
+            return unit.empty() ? "no unit" : "'" + unit + "'";
+        };
+        if (more != own)
+            throw Error(fmt::format("{}: {} in {}, expected {} as in {}", where(other), what,
+                                    shown(more), shown(own), where(points)));
     };
-    keep_equal(points.length_unit, other.length_unit);
-    keep_equal(points.velocity_unit, other.velocity_unit);
+    require_unit("positions", other.length_unit, points.length_unit);
     const auto same_names = [](const PointAttribute& a, const PointAttribute& b) {
         return a.name == b.name;
     };
@@ -73,6 +73,11 @@ void append(Points& points, const Points& other) {
         throw Error(fmt::format("{}: has {}, expected those of {}: {}", where(other),
                                 fmt::join(point_value_names(other), ", "), where(points),
                                 fmt::join(point_value_names(points), ", ")));
+    require_unit("velocities", other.velocity_unit, points.velocity_unit);
+    for (std::size_t n = 0; n < points.attributes.size(); ++n)
+        require_unit("'" + points.attributes[n].name + "'", other.attributes[n].unit_name,
+                     points.attributes[n].unit_name);
+    if (points.box.empty()) points.box = other.box;
     append_kept(points.position, other.position);
     append_kept(points.velocity, other.velocity);
     const auto multiply = [](BigVector<float>& values, std::size_t first, double factor) {
@@ -88,7 +93,6 @@ void append(Points& points, const Points& other) {
         append_kept(own.value, more.value);
         if (more.unit < unit) multiply(own.value, count, more.unit / unit);
         own.unit = unit;
-        keep_equal(own.unit_name, more.unit_name);
     }
 }
 

@@ -281,6 +281,31 @@ TEST(points_hdf5, parts_of_a_snapshot_may_lack_the_type) {
     EXPECT_NE(message.find("the files have: PartType0, PartType1"), std::string::npos) << message;
 }
 
+TEST(points_hdf5, parts_in_other_units_are_refused) {
+    const TempDir dir;
+    const auto write = [&](const char* name, double gram, double speed) {
+        write_one_type(dir / name, "PartType0", [&](hid_t file, hid_t group) {
+            put_head(file, {{"UnitLength_in_cm", {3.085678e21}},
+                            {"UnitMass_in_g", {gram}},
+                            {"UnitVelocity_in_cm_per_s", {speed}}});
+            put(group, "Masses", {1, 2}, 2, 1);
+            put(group, "Velocities", {0, 0, 1, 3, 4, 0}, 2, 3);
+        });
+        return dir / name;
+    };
+    const std::filesystem::path first = write("s.0.hdf5", 1.989e43, 1e5);
+    for (const auto& [part, reason] :
+         {std::pair{write("mass.hdf5", 1.989e33, 1e5),
+                    "mass.hdf5: 'Masses' in '1.989e+33 g', expected '1.000297e+10 Msun' as in"},
+          {write("none.hdf5", 0, 1e5), "none.hdf5: 'Masses' in no unit"},
+          {write("speed.hdf5", 1.989e43, 1e2),
+           "speed.hdf5: velocities in '0.001 km/s', expected"}}) {
+        const std::vector<std::filesystem::path> parts{first, part};
+        const std::string message = refusal([&] { read_points(parts, {}, nullptr); });
+        EXPECT_NE(message.find(reason), std::string::npos) << message;
+    }
+}
+
 TEST(points_hdf5, a_part_of_a_snapshot_is_noted_unless_all_are_read) {
     const TempDir dir;
     const auto write = [&](const char* name, const Head& head) {

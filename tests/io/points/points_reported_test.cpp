@@ -235,6 +235,10 @@ TEST(points_reported, positions_have_the_unit_of_their_columns) {
     const std::vector<std::filesystem::path> files{dir / "a.csv", dir / "b.csv"};
     EXPECT_NE(refusal([&] { read_points(files, {}, nullptr); }).find("in 'Mpc', expected 'kpc'"),
               std::string::npos);
+    write_bytes(dir / "none.csv", "x,y,z\n1,2,3\n");
+    const std::vector<std::filesystem::path> mixed{dir / "a.csv", dir / "none.csv"};
+    EXPECT_NE(refusal([&] { read_points(mixed, {}, nullptr); }).find("in no unit, expected 'kpc'"),
+              std::string::npos);
     write_bytes(dir / "row.csv", "x,y,z,m\nkpc,kpc,kpc,Msun\n1,2,3,4\n");
     write_bytes(dir / "brackets.csv", "x,y,z\n[kpc],[kpc],[pc]\n1,2,3000\n");
     write_bytes(dir / "table.dat",
