@@ -348,13 +348,14 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
         if (array.rows != place->rows)
             snapshot.fail(fmt::format("'{}/{}' has {} rows for {} particles", snapshot.group_name(),
                                       printable(array.name), array.rows, place->rows));
-        if (array.name == "Velocities" && array.components == 3) {
+        // EAGLE's names are singular.
+        if ((array.name == "Velocities" || array.name == "Velocity") && array.components == 3) {
             resize_kept(points.velocity, place->rows);
             snapshot.read(array, H5T_NATIVE_FLOAT, points.velocity.data());
             points.velocity_unit = snapshot.unit_of(array);
             continue;
         }
-        has_mass |= array.name == "Masses";
+        has_mass |= array.name == "Masses" || array.name == "Mass";
         points.attributes.push_back(attribute_of(snapshot, array));
     }
     if (const double mass = has_mass ? 0 : snapshot.stated("MassTable").value_or(0); mass > 0) {

@@ -26,7 +26,9 @@ const Exponents* known_exponents(const std::string& array) {
         {"SmoothingLength", {.length = 1, .h = -1, .a = 1}},
         {"SmoothingLengths", {.length = 1, .h = -1, .a = 1}},
         {"Velocities", {.velocity = 1, .a = 0.5}},
+        {"Velocity", {.velocity = 1, .a = 0.5}},
         {"Masses", {.mass = 1, .h = -1}},
+        {"Mass", {.mass = 1, .h = -1}},
         {"Density", {.length = -3, .mass = 1, .h = 2, .a = -3}},
         {"Densities", {.length = -3, .mass = 1, .h = 2, .a = -3}},
         {"InternalEnergy", {.velocity = 2}},
@@ -91,11 +93,12 @@ std::string snapshot_unit(const std::string& array, const AttributeReader& own,
                  a = positive(common("Scale-factor"))
                          .value_or(1 / (1 + std::max(0.0, common("Redshift").value_or(0))));
     const double scale = std::pow(h, powers.h) * std::pow(a, powers.a);
-    const std::optional<double> cm =
-        positive(first_of(common, {"UnitLength_in_cm", "Unit length in cgs (U_L)"}));
+    const std::optional<double> cm = positive(
+        first_of(common, {"UnitLength_in_cm", "UnitLength_In_CGS", "Unit length in cgs (U_L)"}));
     const std::optional<double> gram =
-        positive(first_of(common, {"UnitMass_in_g", "Unit mass in cgs (U_M)"}));
-    std::optional<double> speed = positive(common("UnitVelocity_in_cm_per_s"));
+        positive(first_of(common, {"UnitMass_in_g", "UnitMass_In_CGS", "Unit mass in cgs (U_M)"}));
+    std::optional<double> speed =
+        positive(first_of(common, {"UnitVelocity_in_cm_per_s", "UnitVelocity_In_CGS"}));
     if (const std::optional<double> second =
             positive(first_of(common, {"Unit time in cgs (U_t)", "UnitTime_in_s"}));
         !speed && second && cm)

@@ -203,6 +203,16 @@ TEST(points_hdf5, units_of_arrays_are_those_that_their_attributes_state) {
               "1e+10 Msun");
     EXPECT_EQ(unit("Coordinates", {{"CGSConversionFactor", 3.08567758e24}}, arepo), "2000 kpc");
     EXPECT_EQ(unit("Velocities", {}, arepo), "") << "no unit of velocity";
+    const Numbers eagle{{"CGSConversionFactor", 1.98841e43}, {"h-scale-exponent", -1}};
+    EXPECT_EQ(unit("Mass", eagle, arepo), "2e+10 Msun");
+    EXPECT_EQ(unit("Velocity", {{"CGSConversionFactor", 1e5}, {"aexp-scale-exponent", 0.5}}, {}),
+              "km/s");
+    const Numbers gizmo{{"UnitLength_In_CGS", 3.08567758e21},
+                        {"UnitMass_In_CGS", 1.98841e43},
+                        {"UnitVelocity_In_CGS", 1e5}};
+    EXPECT_EQ(unit("Coordinates", {}, gizmo), "kpc");
+    EXPECT_EQ(unit("Masses", {}, gizmo), "1e+10 Msun");
+    EXPECT_EQ(unit("Velocities", {}, gizmo), "km/s");
     EXPECT_EQ(unit("Abundance", {}, arepo), "");
 }
 
@@ -279,6 +289,19 @@ TEST(points_hdf5, parts_of_a_snapshot_may_lack_the_type) {
     const std::string message =
         refusal([&] { read_points(parts, {.grid = "PartType7"}, nullptr); });
     EXPECT_NE(message.find("the files have: PartType0, PartType1"), std::string::npos) << message;
+}
+
+/// EAGLE's names are singular.
+TEST(points_hdf5, mass_and_velocity_are_those_of_the_file) {
+    const TempDir dir;
+    write_one_type(dir / "s.hdf5", "PartType0", [](hid_t file, hid_t group) {
+        put_head(file, {{"MassTable", {7, 0, 0, 0, 0, 0}}});
+        put(group, "Mass", {1, 2}, 2, 1);
+        put(group, "Velocity", {0, 0, 1, 3, 4, 0}, 2, 3);
+    });
+    const Points points = read_points(dir / "s.hdf5");
+    EXPECT_EQ(point_value_names(points), (std::vector<std::string>{"count", "speed", "Mass"}));
+    EXPECT_EQ(points.velocity.at(1), (Vec3f{3, 4, 0}));
 }
 
 TEST(points_hdf5, parts_in_other_units_are_refused) {
