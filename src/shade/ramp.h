@@ -45,8 +45,9 @@ class Ramp {
         }
     }
 
-    /// Value at v in [0, 1].
+    /// Value at v in [0, 1], or below: before a step at 0.
     std::array<float, N> operator()(float v) const {
+        if (v < 0) return pieces_.front().value;
         const auto bucket = static_cast<std::uint32_t>(v * kBuckets);
         const Piece* piece = &pieces_[first_[std::min(bucket, kBuckets - 1)]];
         while (v >= piece->end) ++piece;

@@ -103,7 +103,10 @@ Image shade_map(const ValueMap& map, const TransferFunction& tf, const ColorScal
     return shade_by(
         map.width, map.height, map.value, tf, options,
         [](float value) { return !std::isnan(value); },
-        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); },
+        [&](float value) {
+            if (double{value} < scale.low) return -1.0f;
+            return static_cast<float>(scale_position(scale, double{value}));
+        },
         whole);
 }
 

@@ -1,6 +1,7 @@
 // page_request.cpp: first settings of a page from a picture's request.
 #include <fmt/core.h>
 
+#include "render/picture/request/request_effects.h"
 #include "shade/values/unit_range.h"
 #include "vog/export_html.h"
 #include "vog/periodic.h"
@@ -23,14 +24,12 @@ HtmlQuantity html_quantity(const PictureRequest& request) {
         throw RequestError("clip_planes", fmt::format(": {} planes, expected at most {}", planes,
                                                       kMostHtmlPlanes));
     quantity.fit = request.fit;
-    const auto& range = request.transfer.range;
-    if (!range || request.show == Show::volume) return quantity;
-    const bool log = request.fit == ScaleFit::log;
-    if (log && !(range->first > 0))
+    if (request.show == Show::volume) return quantity;
+    quantity.scale = stated_scale(request);
+    if (const auto& scale = quantity.scale;
+        scale && scale->kind == ColorScale::Kind::log && !(scale->low > 0))
         throw RequestError("range", fmt::format(" {},{}: expected values above 0 with `scale` log",
-                                                range->first, range->second));
-    using Kind = ColorScale::Kind;
-    quantity.scale = {log ? Kind::log : Kind::linear, range->first, range->second};
+                                                scale->low, scale->high));
     return quantity;
 }
 
@@ -40,12 +39,12 @@ HtmlOptions html_options(const PictureRequest& request, const Gaussians& model,
     options.camera = request.camera;
     options.extinction = request.extinction;
     options.shading = request.shading;
-    // Points at values are of volume; the other quantities then have the default colours.
+    HtmlQuantity& quantity = options.quantity = html_quantity(request);
+    // Points at values of a volume are not those of other quantities, which then have the default colours.
     const TransferPoints& map = request.transfer.points;
-    options.tf = map.at_values || map.points.color.empty()
+    options.tf = (map.at_values && !quantity.scale) || map.points.color.empty()
                      ? named_transfer_function(default_map(request.show))
                      : shading::over_unit_range(map);
-    HtmlQuantity& quantity = options.quantity = html_quantity(request);
     quantity.look.clip = inside_period(quantity.look.clip, model);
     if (request.show != Show::volume) return options;
     PictureRequest one = request;

@@ -1,7 +1,9 @@
 // slices_test.cpp: vog render --show slice: numbers, views, records, and what is refused in one line.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "support/command.h"
 #include "support/level_volumes.h"
@@ -59,6 +61,36 @@ TEST_F(slices_command, are_drawn_again_from_their_record) {
     // Another plane has a view of its own.
     must("render --request s.png -o z.png --plane z=0.7 --values-out z.npy");
     EXPECT_EQ(read_map(dir_ / "z.npy").value[0], 2);
+}
+
+TEST_F(slices_command, have_the_colours_of_a_files_values) {
+    write("o.ctbl", "1 brain 100 100 100 255\n2 liver 255 0 0 255\n5 cyst 0 0 255 255\n");
+    const std::string slice = "render cube.vdb -o s.png --size 16 --show slice --plane x --tf ";
+    const auto rgb = [&](int value) {
+        const Rgba pixel = read_image(dir_ / "s.png").at(8, 17 - 2 * value);
+        return std::array{pixel.r, pixel.g, pixel.b};
+    };
+    using Rgb = std::array<float, 3>;
+    const Rgb black{}, grey{100 / 255.0f, 100 / 255.0f, 100 / 255.0f}, red{1, 0, 0}, blue{0, 0, 1};
+    const auto found = nlohmann::json::parse(must(slice + "o.ctbl --json").out);
+    EXPECT_EQ(found["range"], (std::vector<double>{0.5, 5.5}));
+    const Rgb colors[] = {grey, red, black, black, blue, black, black, black};
+    for (int value = 1; value <= 8; ++value) EXPECT_EQ(rgb(value), colors[value - 1]) << value;
+    must("render --request s.png -o again.png");
+    EXPECT_EQ(read_text(dir_ / "again.png"), read_text(dir_ / "s.png"));
+    must(slice + "o.ctbl:liver");
+    for (int value = 1; value <= 8; ++value) EXPECT_EQ(rgb(value), value == 2 ? red : black);
+    write("tf.json", R"({"domain": [-10, 20], "colors": [[-10, 0, 0, 0], [20, 1, 1, 1]]})");
+    for (const char* show : {"slice --plane x", "maximum", "mean --field density"}) {
+        const std::string render = std::string("render cube.vdb -o s.png --show ") + show;
+        EXPECT_EQ(nlohmann::json::parse(must(render + " --tf tf.json --json").out)["range"],
+                  (std::vector<double>{-10, 20}));
+        must_fail(2, render + " --tf tf.json --range 0,9", "--range: tf states values of its own");
+        must_fail(2, render + " --tf tf.json --scale log", "--scale: tf states values of its own");
+    }
+    for (const char* show : {"T", "column", "deviation --field density"})
+        must_fail(2, std::string("render cube.vdb -o s.png --tf o.ctbl --show ") + show,
+                  "--tf: o is a table of labels");
 }
 
 TEST_F(slices_command, of_no_plane_beside_the_data_or_by_others_are_refused) {

@@ -15,7 +15,9 @@ void share(const SharedScales& scales, PictureRequest& request) {
     if (request.show == Show::depth) request.extinction = scales.extinction;
     request.transfer.may_be_empty = true;
     if (request.show == Show::volume) request.transfer.unit_distance = scales.unit_distance;
-    if (request.show == Show::depth || request.transfer.range || request.transfer.points.at_values)
+    const TransferRequest& transfer = request.transfer;
+    const bool of_shares = request.show == Show::column || request.show == Show::deviation;
+    if (request.show == Show::depth || transfer.range || (transfer.points.at_values && !of_shares))
         return;
     request.transfer.range.emplace(scales.low, scales.high);
     request.fit = scales.log > 0 ? ScaleFit::log : ScaleFit::linear;

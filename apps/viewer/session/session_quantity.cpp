@@ -6,6 +6,7 @@
 
 #include "quantity/probe.h"
 #include "render/by_value/value_histogram.h"
+#include "render/picture/request/request_effects.h"
 #include "session/session.h"
 #include "vog/error.h"
 #include "vog/picture.h"
@@ -128,7 +129,12 @@ void Session::set_values(ValueTransfer transfer) {
 
 void Session::set_map(const std::string& name_or_file) {
     if (quantity.show != Show::volume || !values.now()) {
+        PictureRequest stated;
+        stated.show = quantity.show;
+        stated.transfer.points = transfer_points(name_or_file);
+        const std::optional<ColorScale> own = stated_scale(stated);
         load_map(look, name_or_file);
+        if (own && has_scale(quantity.show)) set_scale(*own);
         look_changed();
         return;
     }

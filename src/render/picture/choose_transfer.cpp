@@ -181,10 +181,6 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
         chosen.transfer = band_transfer(request.bands, unit);
     } else {
         const TransferPoints& points = request.points;
-        if (points.at_values && (request.range || request.log))
-            throw RequestError(request.range ? "range" : "scale",
-                               fmt::format(": {} states values of its own, expected one of them",
-                                           points.points.name));
         if (points.at_values) chosen.scale = {Kind::linear, points.lower, points.upper};
         chosen.transfer = over_range(points, chosen.scale.low, chosen.scale.high, unit, log);
         is_ramp = points.points.opacity.empty();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/picture/request/request_effects.h"
 #include "render/picture/slice_plane.h"
 #include "shade/annotation/bitmap_font.h"
 #include "vog/error.h"
@@ -46,19 +47,11 @@ void complete(Picture& picture) {
     PictureRequest& request = picture.made.request;
     if (request.show == Show::depth) {
         request.extinction = picture.extinction;
-    } else if (request.show != Show::volume) {
+    } else if (request.show != Show::volume && !stated_scale(request)) {
         request.transfer.range.emplace(picture.scale.low, picture.scale.high);
         request.fit =
             picture.scale.kind == ColorScale::Kind::log ? ScaleFit::log : ScaleFit::linear;
     }
-}
-
-/// The stated range with its kind; nothing: open.
-std::optional<ColorScale> stated_scale(const PictureRequest& request) {
-    if (!request.transfer.range) return std::nullopt;
-    return ColorScale{
-        request.fit == ScaleFit::log ? ColorScale::Kind::log : ColorScale::Kind::linear,
-        request.transfer.range->first, request.transfer.range->second};
 }
 
 /// Colours and opacities over the range of a volume, as a colour bar takes them.

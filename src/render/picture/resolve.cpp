@@ -368,6 +368,7 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     TransferRequest& transfer = picture.request.transfer;
     if (transfer.points.points.color.empty() && !transfer.window && transfer.bands.empty())
         transfer.points = transfer_points(named_transfer_function(default_map(show)));
+    (void)stated_scale(picture.request);  // checks it
     if (show == Show::volume)
         choose_light(picture, scene);
     else
@@ -377,6 +378,9 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
 
 ResolvedPicture recolored(ResolvedPicture picture, PictureRequest request) {
     const TransferPoints& points = request.transfer.points;
+    // The range of the picture before is not that of points at values.
+    if (points.at_values && request.transfer.range == picture.request.transfer.range)
+        request.transfer.range.reset(), request.fit = ScaleFit::automatic;
     if (request.show != Show::volume)
         picture.colors = shading::over_unit_range(points);
     else if (points.points != picture.request.transfer.points.points ||

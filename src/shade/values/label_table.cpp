@@ -144,4 +144,14 @@ TransferPoints label_points(const std::string& text, const std::string& only,
     return read;
 }
 
+bool is_label_table(const TransferPoints& points) {
+    const std::vector<ValueColor>& color = points.points.color;
+    bool is_one = points.at_values && !points.has_unit_distance && !color.empty() &&
+                  points.points.opacity.size() == 2 * color.size();
+    for (std::size_t n = 0; is_one && n < color.size(); n += 2)
+        is_one = color[n].value + 0.5 == std::floor(color[n].value + 0.5) &&
+                 color[n].value + 1 == color[n + 1].value;
+    return is_one;
+}
+
 }  // namespace vog::shading

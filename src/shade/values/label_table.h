@@ -14,5 +14,7 @@ namespace vog::shading {
 /// throws  vog::Error naming the line, and for no visible label
 TransferPoints label_points(const std::string& text, const std::string& only,
                             const std::string& where);
+/// Whether points are a table of labels: bands from half below a whole number to half above it.
+bool is_label_table(const TransferPoints& points);
 
 }  // namespace vog::shading

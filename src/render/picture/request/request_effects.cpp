@@ -3,8 +3,10 @@
 
 #include <iterator>
 #include <sstream>
+#include <tuple>
 
 #include "render/picture/request/request_member.h"
+#include "shade/values/label_table.h"
 #include "vog/picture_record.h"
 
 namespace vog {
@@ -136,6 +138,28 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
             throw RequestError(key, " is for voxels, not for cells, which are drawn exactly");
     }
     require_rules(request, renderer);
+}
+
+std::optional<ColorScale> stated_scale(const PictureRequest& request) {
+    const auto& [show, points, range] =
+        std::tie(request.show, request.transfer.points, request.transfer.range);
+    const bool of_values = show == Show::mean || show == Show::slice || is_by_value(show);
+    if (!of_values && shading::is_label_table(points))
+        throw RequestError(
+            "tf", fmt::format(": {} is a table of labels, which `show` {} has not, expected "
+                              "`show` slice, volume, mean or maximum",
+                              points.points.name, word_of(show)));
+    if (of_values && points.at_values) {
+        if (range || request.fit != ScaleFit::automatic)
+            throw RequestError(range ? "range" : "scale",
+                               fmt::format(": {} states values of its own, expected one of them",
+                                           points.points.name));
+        return ColorScale{ColorScale::Kind::linear, points.lower, points.upper};
+    }
+    if (!range) return std::nullopt;
+    return ColorScale{
+        request.fit == ScaleFit::log ? ColorScale::Kind::log : ColorScale::Kind::linear,
+        range->first, range->second};
 }
 
 }  // namespace vog
