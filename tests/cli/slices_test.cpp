@@ -93,6 +93,15 @@ TEST_F(slices_command, have_the_colours_of_a_files_values) {
                   "--tf: o is a table of labels");
 }
 
+TEST_F(slices_command, of_levels_have_the_name_of_other_pictures) {
+    must("sample amr amr.vdb --size 64");
+    for (const char* show : {"slice --plane z", "volume --unit-distance 1", "maximum"}) {
+        const auto made = nlohmann::json::parse(
+            must(std::string("render amr.vdb -o s.png --size 16 --json --show ") + show).out);
+        EXPECT_EQ(made["quantity"].get<std::string>().find("_L"), std::string::npos) << made;
+    }
+}
+
 TEST_F(slices_command, of_no_plane_beside_the_data_or_by_others_are_refused) {
     const std::string slice = "render cube.vdb -o s.png --show slice";
     must_fail(2, slice, "--show slice needs --plane");

@@ -97,7 +97,8 @@ std::string name_density(ResolvedPicture& picture, const Scene& scene) {
         const ScalarField* field = scalar_to_show(scene.model().model->fields);
         if (field && field->is_measure) take(field->name, field->unit, field->background);
     } else if (const auto& volumes = scene.voxels().volumes->volumes; !volumes.empty()) {
-        take(volumes.front().name, "", volumes.front().background);
+        const std::string& name = volumes.front().name;  // those of levels differ
+        take(name == volumes.back().name ? name : "", "", volumes.front().background);
     }
     if (scene.collective && scene.collective->several()) scene.collective->max(ends);
     picture.background = -ends[0] < 0 ? -ends[0] : ends[1];
