@@ -47,6 +47,7 @@ ROWS = [
     ("render m.ply m2.ply -o p/ --values-out t.npy", r"needs a (folder)", "render m.ply m2.ply -o p/ --values-out t/"),
     ("render m.ply m2.ply -o p/ --show column", r"\((--range) sets", "+ 0,3"),
     ("render m.ply -o p.png --look-at 900,0,0", r"(--look-at), --distance", "render m.ply -o p.png {0} 6,6,6"),
+    ("render m.ply -o p.png --clip 900,0,0,901,1,1", r"(--clip) cuts away", "+ -9,-9,-9,9,9,9"),
     ("render m.ply -o p.png --show volume", r"\(((?:--scale log )?--range \S+ --unit-distance \S+) repeats it", "+"),
     ("render c.nrrd -o p.png --renderer splat", r"convert it first: (vog convert .*)", "{0}"),
     ("render jaw.ply -o p.png", r"vog render VOLUME (--show volume --layer) MESH.ply", "render c.nrrd -o p.png {0} jaw.ply,color=white"),

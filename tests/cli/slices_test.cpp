@@ -102,6 +102,12 @@ TEST_F(slices_command, of_levels_have_the_name_of_other_pictures) {
     }
 }
 
+TEST_F(slices_command, that_a_clip_leaves_nothing_of_say_so) {
+    EXPECT_NE(must("render cube.vdb -o s.png --clip 9,9,9,10,10,10")
+                  .error.find("pixels show anything: --clip cuts away"),
+              std::string::npos);
+}
+
 TEST_F(slices_command, of_no_plane_beside_the_data_or_by_others_are_refused) {
     const std::string slice = "render cube.vdb -o s.png --show slice";
     must_fail(2, slice, "--show slice needs --plane");

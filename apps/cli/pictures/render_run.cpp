@@ -120,9 +120,12 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
     const auto covered = static_cast<std::size_t>(std::lround(picture.covered * double(pixels)));
     if (covered < pixels / 1000 && inputs.gaussians + inputs.active_voxels > 0) {
         picture.notes.push_back(fmt::format(
-            "{}: only {} of {} pixels show anything: the data are smaller than a pixel or outside "
-            "the view; --look-at, --distance and --orthographic --width change it",
-            arguments.drawing.inputs.front(), count_text(covered), count_text(pixels)));
+            "{}: only {} of {} pixels show anything: {}", arguments.drawing.inputs.front(),
+            count_text(covered), count_text(pixels),
+            made.request.options.clip.empty()
+                ? "the data are smaller than a pixel or outside the view; --look-at, --distance "
+                  "and --orthographic --width change it"
+                : "--clip cuts away what the view shows; another one keeps more"));
         print_notes({picture.notes.back()});
     }
     return picture;
