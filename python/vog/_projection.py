@@ -282,6 +282,9 @@ def projection(
     >>> bool(np.allclose(array, 3.0 * 2 * 0.5))  # density times two voxels
     True
     """
+    named = isinstance(field, str) and (field.lstrip("-") not in ("x", "y", "z") or field in (*(fields or ()), *getattr(data, "fields", ())))
+    if isinstance(field, (int, str, tuple)) and not named:
+        raise TypeError(f"projection: {field!r} is no field but an axis, which is a keyword: axis={field!r}")
     return _mapped(data, field, axis, width, resolution, center, up, quantity or ("mean" if field else "column"), fields, unit)
 
 

@@ -1,5 +1,6 @@
 """vog.projection: mass, directions, fields, units, and what it refuses."""
 import json
+import re
 
 import numpy as np
 import pytest
@@ -157,6 +158,12 @@ def test_wrong_arguments_are_one_short_line(model, arguments):
         vog.projection(model, **arguments)
     text = str(error.value)
     assert "\n" not in text and len(text) < 300 and "array(" not in text
+
+
+@pytest.mark.parametrize("axis", ["z", "-x", 2, (0, 0, 1)])
+def test_an_axis_without_its_keyword_is_refused(model, axis):
+    with pytest.raises(TypeError, match=re.escape(f"axis={axis!r}")):
+        vog.projection(model, axis)
 
 
 def test_other_data_are_refused():
