@@ -145,10 +145,10 @@ std::optional<ColorScale> stated_scale(const PictureRequest& request) {
         std::tie(request.show, request.transfer.points, request.transfer.range);
     const bool of_values = show == Show::mean || show == Show::slice || is_by_value(show);
     if (!of_values && shading::is_label_table(points))
-        throw RequestError(
-            "tf", fmt::format(": {} is a table of labels, which `show` {} has not, expected "
-                              "`show` slice, volume, mean or maximum",
-                              points.points.name, word_of(show)));
+        throw RequestError("tf",
+                           fmt::format(": {} is a table of labels; `show` {} shows none, expected "
+                                       "`show` slice, volume, mean or maximum",
+                                       points.points.name, word_of(show)));
     if (of_values && points.at_values) {
         if (range || request.fit != ScaleFit::automatic)
             throw RequestError(range ? "range" : "scale",
