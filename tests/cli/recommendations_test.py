@@ -70,6 +70,7 @@ ROWS = [
     # Columns that are not sure.
     ("render whole.xyz -o p.png --radius 1", r"or (--columns 1,2,3)", "+"),
     ("render seven.xyz -o p.png --radius 1", r"(--columns) names others", "+ 1,2,3"),
+    ("render counted.csv -o p.png --radius 1", r"without names.*(--columns) names others", "+ 2,3,4"),
     ("render few.csv -o p.png --radius 1", r"three columns \((--columns)\)", "+ 1,2,3"),
     ("render twice.csv -o p.png --radius 1", r"three columns \((--columns)\)", "+ 1,3,4"),
     ("render weights.csv -o p.png --value w", r"(--clip-negative)", "+"),
@@ -265,6 +266,7 @@ def make_inputs(case):
     (case.folder / "named.csv").write_text("\n".join(["a,b,c", *rows]) + "\n")
     (case.folder / "whole.xyz").write_text("2\nwater\n1 2 3 4\n8 3 4 5\n")
     (case.folder / "seven.xyz").write_text("1 2 3 4 5 6 7\n8 3 4 5 6 7 8\n")
+    (case.folder / "counted.csv").write_text(",0,1,2\n0,1,2.5,3\n1,3,2.5,4\n")
     (case.folder / "few.csv").write_text("x,y,z\n" + "1,2,3,4,5\n3,2,3,4,5\n")
     (case.folder / "twice.csv").write_text("x,x,y,z\n" + "1,2,3,4\n3,2,3,4\n")
     names = ["x", "y", "z", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
