@@ -5,7 +5,7 @@
 #               (VOG_ALL_PAIRS); effects of the options of vog view and vog-mpi, and of every option on conversions that measure
 #               their errors and on evaluations of a volume (VOG_ALL_EFFECTS)
 #   sanitizers  tests that every change runs without them alone: conversions that measure errors, more pictures of voxels, most sessions of the window
-#               (`night` in tests/CMakeLists.txt)
+#               (`night` in tests/CMakeLists.txt), and all of them where 70 minutes are over before
 #   emulation   the GPU renderers on host memory, compiled by GCC, which inlines other functions of the device than Clang does
 #   gpu         the suite for GPUs, compiled by nvcc where there is one: every change compiles its device code alone
 #   threads     the parallel stages under the thread sanitizer
@@ -20,9 +20,12 @@ stage "tests"
 scripts/test.sh -DVOG_WERROR=ON
 ctest --preset nightly
 
-stage "sanitizers: tests that every change runs without them"
+stage "sanitizers: tests that every change runs without them, and those that slow machines leave out"
 scripts/build.sh sanitize -DVOG_WERROR=ON
-UBSAN_OPTIONS=print_stacktrace=1 ctest --preset sanitize-nightly
+export UBSAN_OPTIONS=print_stacktrace=1
+ctest --preset sanitize
+tests/emulation/coverage.py build/sanitize
+ctest --preset sanitize-nightly
 
 stage "emulation: the GPU renderers on host memory, by GCC"
 scripts/build.sh emulation -DVOG_WERROR=ON
