@@ -13,6 +13,8 @@ namespace vog::reference {
 /// Density between voxel centres, inactive voxels being 0, and a field: the density itself plus its background, or the mean of the active
 /// voxels around a point by their trilinear weights.
 class LinearVolume {
+    struct Gradients;
+
   public:
     /// field   whose component without leaves and tiles is the volume's own values
     /// voxels  step_voxels > 0: spacing of samples
@@ -22,7 +24,43 @@ class LinearVolume {
     bool own() const { return !parts_; }
 
     /// The field at a point.
-    class Sample;
+    class Sample {
+      public:
+        Sample(const Block::Cell& own, Gradients& gradients)
+            : density(own.value()),
+              value(density + gradients.of.background_),
+              cell_(own),
+              gradients_(gradients) {}
+        Sample(double own, const Block::Cell& weighted, const Block::Cell& weight,
+               Gradients& gradients)
+            : density(own),
+              value(gradients.of.parts_->lower +
+                    gradients.of.parts_->range * weighted.value() / weight.value()),
+              cell_(weighted),
+              weight_(weight),
+              gradients_(gradients) {}
+
+        double density, value;
+
+        /// Of the field, per world unit.
+        Vec3d gradient() const {
+            const LinearVolume& of = gradients_.of;
+            const auto& parts = of.parts_;
+            Vec3d per_voxel =
+                gradients_.at(parts ? parts->weighted : of.density_, gradients_.own, cell_);
+            if (parts) {
+                const Vec3d of_weight = gradients_.at(parts->weight, gradients_.weight, *weight_);
+                const double by = 1 / weight_->value();
+                per_voxel = (parts->range * by) * (per_voxel - by * cell_.value() * of_weight);
+            }
+            return transpose(of.density_.data().local_from_world) * per_voxel;
+        }
+
+      private:
+        Block::Cell cell_;
+        std::optional<Block::Cell> weight_;
+        Gradients& gradients_;
+    };
 
     /// Calls visit(Sample, t, dt) at the middles of equal steps of the ray, front to back, wherever an active voxel is near,
     /// until it returns false.
@@ -102,43 +140,6 @@ class LinearVolume {
     VoxelGrid density_;
     std::optional<Parts> parts_;
     double background_;  ///< value of the density itself as a field where the density is 0
-};
-
-class LinearVolume::Sample {
-  public:
-    Sample(const Block::Cell& own, Gradients& gradients)
-        : density(own.value()),
-          value(density + gradients.of.background_),
-          cell_(own),
-          gradients_(gradients) {}
-    Sample(double own, const Block::Cell& weighted, const Block::Cell& weight, Gradients& gradients)
-        : density(own),
-          value(gradients.of.parts_->lower +
-                gradients.of.parts_->range * weighted.value() / weight.value()),
-          cell_(weighted),
-          weight_(weight),
-          gradients_(gradients) {}
-
-    double density, value;
-
-    /// Of the field, per world unit.
-    Vec3d gradient() const {
-        const LinearVolume& of = gradients_.of;
-        const auto& parts = of.parts_;
-        Vec3d per_voxel =
-            gradients_.at(parts ? parts->weighted : of.density_, gradients_.own, cell_);
-        if (parts) {
-            const Vec3d of_weight = gradients_.at(parts->weight, gradients_.weight, *weight_);
-            const double by = 1 / weight_->value();
-            per_voxel = (parts->range * by) * (per_voxel - by * cell_.value() * of_weight);
-        }
-        return transpose(of.density_.data().local_from_world) * per_voxel;
-    }
-
-  private:
-    Block::Cell cell_;
-    std::optional<Block::Cell> weight_;
-    Gradients& gradients_;
 };
 
 }  // namespace vog::reference
