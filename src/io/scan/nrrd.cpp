@@ -409,7 +409,7 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
     set_units(file, units, grid);
     ScanFile scan;
     // So ITK writes images of four axes, without the name of its space.
-    if (head.fields.contains("space dimension") && head.text("space dimension") == "4")
+    if (head.text("space dimension") == "4" && head.text("space").empty())
         scan.note =
             "places are as the file has them, without a space; if ITK wrote it, its x runs to "
             "the left and its y to the back";
