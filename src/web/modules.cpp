@@ -165,7 +165,7 @@ std::string web::worker_script() { return bundle(kWorkerModules); }
 
 std::string web::page_script(bool streams, bool ranges) {
     return bundle(kViewModules) + (streams ? bundle(kStreamModules) : "") +
-           (ranges ? bundle(kRangeModules) : "") + bundle(kPageModules);
+           (ranges ? bundle(kRangeModules) : "") + bundle(kElementModules) + bundle(kPageModules);
 }
 
 std::string view_module() {

@@ -75,7 +75,7 @@ class Exploring(PageTest):
             self.open("two.html", "#subframes=1&show=deviation&tf=gray")
             self.value("vog.page.models[0].fields[0].name = 'temperature of the gas'; vog.change({panel: innerWidth > 700})")
             self.browser.settle()
-            x, y = self.value("[picture.clientWidth / 2, picture.clientHeight / 2]")
+            x, y = self.value("[vog.canvas.clientWidth / 2, vog.canvas.clientHeight / 2]")
             self.browser.mouse("mouseMoved", x, y)
             boxes = self.value("""['probe', 'scale', 'length', 'axes'].map((id) => {
                 const b = document.getElementById(id).getBoundingClientRect();
@@ -202,7 +202,7 @@ class Exploring(PageTest):
         for span in (0, 3):
             self.value(f"vog.change({{camera: {{...vog.state.camera, span: {span}}}}})")
             self.browser.settle()
-            width, height = self.value("[picture.width, picture.height]")
+            width, height = self.value("[vog.canvas.width, vog.canvas.height]")
             for column, row in ((0.5, 0.5), (0.42, 0.6), (0.6, 0.35), (0.5, 0.72)):
                 x, y = int(column * width), int(row * height)
                 ray = self.value(f"vog.ray([{x}, {y}])")
@@ -225,7 +225,7 @@ class Exploring(PageTest):
         self.value(f"vog.change({{transfers: {{0: {json.dumps(step)}}}, camera: {{...vog.state.camera, fov: 40,"
                    " eye: [-3, 0.5, 0.4], at: [0, 0, 0], up: [0, 1, 0]}})")
         self.browser.settle()
-        width, height = self.value("[picture.width, picture.height]")
+        width, height = self.value("[vog.canvas.width, vog.canvas.height]")
         found = [self.probed(int(width * x) + 0.5, int(height * y) + 0.5) for x in (0.45, 0.5, 0.55) for y in (0.45, 0.5, 0.55)]
         for one in found:
             self.assertAlmostEqual(one["heat"], 303, delta=0.15)
@@ -257,7 +257,7 @@ class Exploring(PageTest):
                     face = 2 * axis + end
                     # Half the way to the middle of the box, the faces' common aim.
                     middle = [sum(k) / 6 for k in zip(*self.dots())] if lens["span"] else self.value(
-                        "(() => { const b = picture.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()")
+                        "(() => { const b = vog.canvas.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()")
                     x, y = self.dots()[face]
                     to = [x + 0.5 * (middle[0] - x), y + 0.5 * (middle[1] - y)]
                     before = self.value("vog.state.camera")

@@ -46,7 +46,7 @@ class Maxima(QuantityTest):
         self.assertTrue(shown.startswith("maximum of density "), shown)
         self.assertAlmostEqual(float(shown.split()[-1]), largest[y * width + x], delta=5e-3)
         self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
-        self.value("picture.focus()")
+        self.value("vog.canvas.focus()")
         self.browser.key("c")
         self.assertRegex(self.value("window.copied"), "show=maximum&field=density&tf=\\w+&range=0,2.5&")
 

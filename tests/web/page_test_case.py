@@ -142,7 +142,7 @@ class PageTest(FolderTest):
 
     def write_camera(self):
         """Writes camera.json, the page's camera; returns the picture's size."""
-        state = self.value("({camera: vog.state.camera, width: picture.width, height: picture.height})")
+        state = self.value("({camera: vog.state.camera, width: vog.canvas.width, height: vog.canvas.height})")
         camera, width, height = state["camera"], state["width"], state["height"]
         # The page's field of view is that of the shorter side, vog render's that of the height.
         tall = max(1, height / width)

@@ -244,7 +244,7 @@ class Quantities(QuantityTest):
         self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
         self.browser.settle()
         before, planes = self.bytes(), self.value("vog.state.planes")
-        self.value("picture.focus()")
+        self.value("vog.canvas.focus()")
         self.browser.key("c")
         link = self.value("window.copied")
         self.open("model.html", "#" + link.split("#")[1] + "&subframes=1")
@@ -275,7 +275,7 @@ class Quantities(QuantityTest):
                 self.change(show="volume", transfers={"0": RAMP})
                 self.browser.viewport(*size)
                 self.value("vog.settled()")
-                self.assertGreater(self.value("picture.width * picture.height"), most)
+                self.assertGreater(self.value("vog.canvas.width * vog.canvas.height"), most)
                 self.volume(RAMP, "--slabs", 8)
                 # During edits there are fewer pixels, since sums of all have no room; then all again.
                 for opacity in (0.3, 0.6, 0.9):
@@ -354,7 +354,7 @@ class Quantities(QuantityTest):
         unit = float(self.value("document.getElementById('unit').textContent.split(' ')[1]"))
         self.write_camera()
         chosen = json.loads(vog("render", "model.ply", "-o", "cpu.png", "--show", "volume", "--json", "--camera", "camera.json",
-                                "--size", "{0}x{1}".format(*self.value("[picture.width, picture.height]"))))
+                                "--size", "{0}x{1}".format(*self.value("[vog.canvas.width, vog.canvas.height]"))))
         self.assertAlmostEqual(unit / chosen["unit_distance"], 1, delta=0.02)
 
     def test_the_curve_is_edited_undone_and_saved(self):
@@ -495,7 +495,7 @@ class Quantities(QuantityTest):
         self.value("vog.change({camera: {...vog.state.camera, span: 100}})")
         pixels = self.value("getComputedStyle(document.getElementById('length')).width")
         world = float(self.value("document.getElementById('length').textContent"))
-        side = self.value("Math.min(picture.clientWidth, picture.clientHeight)")
+        side = self.value("Math.min(vog.canvas.clientWidth, vog.canvas.clientHeight)")
         self.assertAlmostEqual(float(pixels[:-2]) / side, world / 100, delta=0.01)
         self.value("vog.change({camera: %s})" % json.dumps(lens))
         self.value("document.getElementById('z-up').click()")
@@ -523,9 +523,9 @@ class Quantities(QuantityTest):
         self.change(show="volume", transfers={"0": RAMP})
         before = self.bytes()
         self.value("""new Promise((done) => {
-            const loser = picture.getContext('webgl2').getExtension('WEBGL_lose_context');
-            picture.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
-            picture.addEventListener('webglcontextrestored', () => setTimeout(done));
+            const loser = vog.canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+            vog.canvas.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
+            vog.canvas.addEventListener('webglcontextrestored', () => setTimeout(done));
             loser.loseContext(); })""")
         self.assertEqual(self.bytes(), before)
         self.change(transfers={"0": STEP})

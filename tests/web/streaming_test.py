@@ -61,9 +61,9 @@ class Streaming(SiteTest):
         server = self.start()
         drawn, asked = self.drawn, len(server.paths)
         self.value("""new Promise((done) => {
-            const loss = picture.getContext('webgl2').getExtension('WEBGL_lose_context');
-            picture.addEventListener('webglcontextrestored', () => setTimeout(done), {once: true});
-            picture.addEventListener('webglcontextlost', () => setTimeout(() => loss.restoreContext()), {once: true});
+            const loss = vog.canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+            vog.canvas.addEventListener('webglcontextrestored', () => setTimeout(done), {once: true});
+            vog.canvas.addEventListener('webglcontextlost', () => setTimeout(() => loss.restoreContext()), {once: true});
             loss.loseContext();
         })""")
         self.browser.settle()

@@ -299,20 +299,20 @@ class Pages(PageTest):
     def test_a_phone_held_upright(self):
         self.browser.viewport(160, 300, scale=3, phone=True)
         self.open()
-        self.assertEqual(self.value("[picture.width, picture.height]"), [320, 600])  # two pixels per CSS pixel
+        self.assertEqual(self.value("[vog.canvas.width, vog.canvas.height]"), [320, 600])  # two pixels per CSS pixel
         self.assertFalse(self.value("document.getElementById('panel').checkVisibility()"))
         self.expect_same()
         self.value("document.getElementById('toggle').click()")
         self.browser.settle()
         self.assertTrue(self.value("document.getElementById('panel').checkVisibility()"))
-        self.assertGreater(600, self.value("picture.height"))  # the controls do not cover the picture
+        self.assertGreater(600, self.value("vog.canvas.height"))  # the controls do not cover the picture
 
     def test_a_desktop_window(self):
         self.browser.viewport(720, 450)
         self.open()
         for part in ("panel", "caption", "scale", "toggle"):
             self.assertTrue(self.value(f"document.getElementById('{part}').checkVisibility()"), part)
-        self.assertEqual(self.value("[picture.clientWidth + panel.clientWidth + 1, picture.height]"), [720, 450])
+        self.assertEqual(self.value("[vog.canvas.clientWidth + panel.clientWidth + 1, vog.canvas.height]"), [720, 450])
         self.expect_same()
 
     def test_the_picture_follows_the_window(self):
@@ -320,7 +320,7 @@ class Pages(PageTest):
         self.browser.viewport(200, 130, scale=1.5)
         self.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
         self.browser.settle()
-        self.assertEqual(self.value("[picture.width, picture.height]"), [300, 195])
+        self.assertEqual(self.value("[vog.canvas.width, vog.canvas.height]"), [300, 195])
         self.expect_same()
 
     def test_the_background_of_the_readers_system(self):
@@ -335,9 +335,9 @@ class Pages(PageTest):
         self.open()
         expected = self.bytes()
         self.value("""new Promise((done) => {
-            const loser = picture.getContext('webgl2').getExtension('WEBGL_lose_context');
-            picture.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
-            picture.addEventListener('webglcontextrestored', () => setTimeout(done));
+            const loser = vog.canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+            vog.canvas.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
+            vog.canvas.addEventListener('webglcontextrestored', () => setTimeout(done));
             loser.loseContext(); })""")
         self.assertEqual(expected, self.bytes())
 

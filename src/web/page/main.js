@@ -1,11 +1,10 @@
-// main.js: the whole page around a view: its controls, overlays, keys and links.
-import { Decoder } from './model/decoder.js';
+// main.js: the whole page around an element <vog-view>: its controls, overlays, keys and links.
 import { Levels } from './model/levels.js';
 import { Site } from './stream/site.js';
 import { showStream } from './stream/status.js';
 import { readLink } from './link/link.js';
 import { attachKeys } from './input.js';
-import { Viewer } from './view/viewer.js';
+import { elementOf } from './view/element.js';
 import { dragLight, hasLight, motions, setTransfer, stand } from './view/motions.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
@@ -19,28 +18,28 @@ const find = (id) => document.getElementById(id);
 const page = JSON.parse(find('page').textContent);
 const sources = Object.fromEntries(
   [...document.querySelectorAll('script[data-shader]')].map((s) => [s.dataset.shader, s.textContent]));
-const canvas = find('picture');
 find('loading').remove();
 page.textOf = (model, level) => find(`model-${model}-${level}`).textContent;
 const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)').matches;
-const decoder = new Decoder(() => new Worker(URL.createObjectURL(
-  new Blob([find('reader').textContent, find('worker').textContent, 'answering();'], { type: 'text/javascript' }))));
+customElements.define('vog-view', elementOf({ shaders: sources, worker: () => new Worker(URL.createObjectURL(
+  new Blob([find('reader').textContent, find('worker').textContent, 'answering();'], { type: 'text/javascript' }))) }));
 
 let controls = null, player = null, readout = null, outer = null;
-const view = new Viewer(canvas, {
+const view = find('picture').around(page, {
   // Pages without a site have no modules of stream/.
-  page, shaders: sources, decoder, Models: page.site ? Site : Levels, panel: !narrow(),
-}, {
-  say, fail: giveUp, resized: showOverlay, playing: () => player?.playing, shown: showControls,
-  drawn: (count) => { document.documentElement.dataset.drawn = count; },
-  took: (ms) => { find('count').title = `${Math.round(ms)} ms a frame`; },
-  ground: (name) => { document.documentElement.dataset.ground = name; },
-  status: (status) => {
-    showStream(status);
-    controls.showDetail(view.source.detail());
+  Models: page.site ? Site : Levels, panel: !narrow(),
+  tell: {
+    say, fail: giveUp, resized: showOverlay, playing: () => player?.playing, shown: showControls,
+    drawn: (count) => { document.documentElement.dataset.drawn = count; },
+    took: (ms) => { find('count').title = `${Math.round(ms)} ms a frame`; },
+    ground: (name) => { document.documentElement.dataset.ground = name; },
+    status: (status) => {
+      showStream(status);
+      controls.showDetail(view.source.detail());
+    },
   },
 });
-const { state } = view, change = (part) => view.change(part);
+const { state, canvas } = view, change = (part) => view.change(part);
 
 /** Applies settings, as in the address behind #; others stay. */
 function follow(settings) {
@@ -158,19 +157,13 @@ outer = new Outer(window, { now: () => view.link, follow });
  * it, and the complete picture as a data: URL.
  */
 window.vog = {
-  state, change, move: (camera) => view.move(camera), page, source: view.source, link: () => view.link,
+  canvas, state, change, move: (camera) => view.move(camera), page, source: view.source, link: () => view.link,
   settled: () => view.settled(), picture: async () => { await view.settled(); return picture(); },
-  bits: () => view.renderer?.format.bits, decodes: () => decoder.done, draws: () => view.renderer.draws,
+  bits: () => view.renderer?.format.bits, decodes: () => view.decoder.done, draws: () => view.renderer.draws,
   ray: (pixel) => view.ray(pixel),
 };
 
-const lightSystem = window.matchMedia('(prefers-color-scheme: light)');
-const followSystem = () => view.followSystem(lightSystem.matches);
-lightSystem.addEventListener('change', followSystem);
-
-state.camera = view.firstView;
 follow(location.hash);
-followSystem();
 find('open').href = location.href.replace(/#.*$/, '');
 if (location.protocol === 'about:') find('open').hidden = true;  // a page inside of another has no address
 view.start();

@@ -1,4 +1,4 @@
-// element.js: the element <vog-view>, a view in other people's pages. Its attributes and properties are the words of a request.
+// element.js: the element <vog-view>, a view in other people's pages and in vog's own. Its attributes and properties are the words of a request.
 import { Decoder } from '../model/decoder.js';
 import { Site, asked, awayLine, placeOf } from '../stream/site.js';
 import { Requests } from '../stream/requests.js';
@@ -24,7 +24,7 @@ const nothing = () => ({ settings: {}, request: {}, problems: [] });
 const style = `
 :host { display: block; position: relative; aspect-ratio: 16 / 10; min-width: 0; contain: content; font: 13px/1.45 system-ui, sans-serif; }
 :host([hidden]) { display: none; }
-canvas { position: absolute; inset: 0; width: 100%; height: 100%; outline: none; touch-action: pan-y; cursor: grab; user-select: none; -webkit-user-select: none; }
+canvas { position: absolute; inset: 0; width: 100%; height: 100%; outline: none; touch-action: var(--touch, pan-y); cursor: grab; user-select: none; -webkit-user-select: none; }
 canvas:active { cursor: grabbing; }
 canvas:focus-visible { outline: 2px solid #3b82d6; outline-offset: -2px; }
 p { position: absolute; left: 12px; right: 12px; bottom: 12px; margin: 0 auto; padding: 6px 12px; border-radius: 8px; width: fit-content; box-sizing: border-box;
@@ -76,7 +76,7 @@ function pageOf({ lightWeights, ...given }, about, models, { steps, ...site }, n
 
 /**
  * The class of the element.
- * given  {shaders: texts by file name, page: {maps, map, slabs, leastColumn, lightWeights}, worker(): a new one, or throws}
+ * given  {shaders: texts by file name, page: {maps, map, slabs, leastColumn, lightWeights}, for views of an address, worker(): a new one, or throws}
  */
 export function elementOf(given) {
   class VogView extends (globalThis.HTMLElement ?? Object) {
@@ -247,31 +247,45 @@ export function elementOf(given) {
     }
 
     #start(page) {
-      const canvas = document.createElement('canvas'), system = matchMedia('(prefers-color-scheme: light)');
+      const view = this.around(page, { Models: Site, panel: false });
+      // The wheel and vertical swipes are the surrounding page's until the picture has been clicked.
+      view.state.embed = true;
+      attachKeys(view.canvas, motions(view), view.ended.signal);
+      new Readout(view.canvas, view, (lines) => this.#tell('probe', { lines }));
+      this.#apply(this.#asked);
+      this.#describe();
+      view.start();
+    }
+
+    /**
+     * The Viewer of models that a page describes, still to be started. vog's own pages surround it with their controls, keys and lines.
+     * of  {Models: the class of levels.js or site.js, panel: whether controls are shown, tell: of Viewer}
+     */
+    around(page, { Models, panel, tell = {} }) {
+      const canvas = document.createElement('canvas');
       canvas.tabIndex = 0;
       canvas.setAttribute('role', 'img');
       canvas.setAttribute('aria-describedby', 'described');
       this.shadowRoot.prepend(canvas);
-      const view = this.#view = new Viewer(canvas, {
-        page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models: Site, panel: false,
-      }, {
+      const view = this.#view = new Viewer(canvas, { page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models, panel }, {
         say: (text, seconds) => this.#warn(text, seconds), fail: (text) => this.#fail(text), resized: () => this.#resized(canvas), playing: () => false,
-        shown: () => this.#changed(), status: (status) => this.#tell('progress', status), ground: (name) => { this.#line.className = name; },
-        took: () => { if (view.count > 0) this.#settle.resolve(this); },
-        drawn: () => {
+        status: (status) => this.#tell('progress', status), ground: (name) => { this.#line.className = name; }, ...tell,
+        shown: () => {
+          tell.shown?.();
+          this.#changed();
+        },
+        took: (ms) => {
+          if (view.count > 0) this.#settle.resolve(this);
+          tell.took?.(ms);
+        },
+        drawn: (count) => {
           this.#settle.resolve(this);
           this.#describe();
+          tell.drawn?.(count);
         },
       });
-      const { signal } = view.ended;
-      // The wheel and vertical swipes are the surrounding page's until the picture has been clicked.
-      Object.assign(view.state, { embed: true, camera: view.firstView });
-      system.addEventListener('change', () => view.followSystem(system.matches), { signal });
-      attachKeys(canvas, motions(view), signal);
-      new Readout(canvas, view, (lines) => this.#tell('probe', { lines }));
-      this.#apply(this.#asked);
-      this.#describe();
-      view.start();
+      view.state.camera = view.firstView;
+      return view;
     }
 
     // --- Changes. ---
@@ -287,7 +301,7 @@ export function elementOf(given) {
       const problems = view ? view.apply({ settings, request: isSystem ? others : request, problems: before }) : before;
       if (view && isSystem) {
         view.page.systemBackground = true;
-        view.followSystem(matchMedia('(prefers-color-scheme: light)').matches);
+        view.followSystem();
       }
       if (problems.length > 0) this.#warn(`Not in this picture: ${problems.join('; ')}`, 12);
       return problems;

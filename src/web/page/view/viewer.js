@@ -32,6 +32,7 @@ export class Viewer {
     Object.assign(this, { automatic: null, drawn: null, count: 0, loads: 0, moving: 0, editing: 0, edited: false, coarse: false, inMotion: false, isHalved: false });
     Object.assign(this, { frame: 0, inFlight: false, frameMs: 0, stale: false, waiting: [], ended: new AbortController(), probe: new Probe() });
     this.authored = this.state.camera;
+    this.system = matchMedia('(prefers-color-scheme: light)');
     this.source = new Models(page, decoder, {
       state: () => this.state, renderer: () => (this.lost ? null : this.renderer), size: () => [canvas.width, canvas.height],
       clip: () => this.clip, transfer: () => this.transfer, editing: () => this.editing, changed: () => this.redraw(),
@@ -43,9 +44,12 @@ export class Viewer {
 
   /** Begins: the first frame, and the loading of what it shows. */
   start() {
+    const { signal } = this.ended;
     this.attach();
     this.restart();
-    if (this.ended.signal.aborted) return;
+    if (signal.aborted) return;
+    this.system.addEventListener('change', () => this.followSystem(), { signal });
+    this.followSystem();
     this.size.observe(this.canvas);
     this.fit();
     this.load();
@@ -332,9 +336,9 @@ export class Viewer {
     this.showGround();
   }
   /** Black or white, as the system is dark or light. */
-  followSystem(isLight) {
+  followSystem() {
     if (!this.page.systemBackground) return;
-    this.page.background = isLight ? [1, 1, 1, 1] : [0, 0, 0, 1];
+    this.page.background = this.system.matches ? [1, 1, 1, 1] : [0, 0, 0, 1];
     this.showGround();
     this.change({});
   }
