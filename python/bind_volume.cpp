@@ -130,6 +130,24 @@ std::shared_ptr<Volume> from_blocks(const py::iterable& pairs, const py::object&
                        {skip_nonfinite, clip_negative});
 }
 
+/// Volume of arrays that are read one after another and share no leaf.
+std::shared_ptr<Volume> from_parts(const py::iterable& parts, const py::object& matrix,
+                                   const std::string& name, bool skip_nonfinite,
+                                   bool clip_negative) {
+    std::shared_ptr<Volume> whole;
+    for (const py::handle part : parts) {
+        const auto volume = from_blocks(py::make_tuple(part), py::none(), py::none(), matrix, false,
+                                        name, skip_nonfinite, clip_negative);
+        if (!whole)
+            whole = volume;
+        else
+            whole->leaves.insert(whole->leaves.end(), volume->leaves.begin(), volume->leaves.end());
+    }
+    if (!whole) throw Error(name + ": no active voxel, expected some above 0");
+    unlocked([&] { sort_nodes(*whole); });
+    return whole;
+}
+
 py::array_t<float> to_numpy(const Volume& volume, const std::optional<std::array<int, 3>>& first,
                             const std::optional<std::array<int, 3>>& shape) {
     const IndexBox box = first && shape ? IndexBox{} : active_box(volume);
@@ -329,6 +347,8 @@ Other parameters as in from_numpy.
 >>> patches = [((0, 0, 0), np.ones((8, 8, 8))), ((8, 0, 0), np.full((4, 8, 8), 3.0))]
 >>> vog.Volume.from_blocks(patches).index_box
 ((0, 0, 0), (11, 7, 7)))")
+        .def_static("_from_parts", &from_parts, py::arg("parts"), py::arg("matrix"),
+                    py::arg("name"), py::arg("skip_nonfinite"), py::arg("clip_negative"))
         .def("to_numpy", &to_numpy, py::arg("first") = py::none(), py::arg("shape") = py::none(),
              R"(Densities as a dense float32 array [X, Y, Z], per world unit; 0 at inactive voxels.
 

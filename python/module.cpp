@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "vog/error.h"
+#include "vog/memory.h"
 
 namespace vog::python {
 
@@ -21,6 +22,46 @@ struct Threads {
     int count = 0;
     std::optional<ThreadLimit> limit{};
 };
+
+/// Context manager of `with vog.memory_limit(2e9):`.
+struct Memory {
+    Memory(double bytes, std::string folder) : most(bytes), place(std::move(folder)) {
+        if (!(most >= 1 && most <= 1e18))
+            throw Error("memory_limit: " + short_text(most) +
+                        " bytes, expected at least 64 MiB: 2e9, say");
+    }
+    double most = 0;
+    std::string place;
+    std::optional<MemoryLimit> limit{};
+};
+
+void bind_memory(py::module_& m) {
+    m.def("peak_memory", &peak_memory, "Peak resident memory of the process so far, bytes.");
+    py::class_<Memory>(
+        m, "memory_limit",
+        R"(Context manager that limits the memory in which voxels lie, in the whole process:
+
+    with vog.memory_limit(2e9):
+        model = vog.convert(vog.load("wide.zarr"))
+
+bytes   at least 64 MiB. Arrays of voxels of a sixteenth of it and more that are made meanwhile lie in files, whose pages are dropped
+        when the process comes near the limit. Results are the same bytes
+folder  of the files, on a disk with room for the uncompressed voxels; '': the system's temporary folder
+
+Models, cells and pictures are not limited. Linux only. Raises vog.Error for too small a limit, inside another limit, and for a folder that cannot be
+written or lies in memory.
+
+>>> with vog.memory_limit(1e9):
+...     len(vog.convert(vog.sample_cloud(32), budget=100)) <= 100
+True)")
+        .def(py::init<double, std::string>(), py::arg("bytes"), py::arg("folder") = "")
+        .def("__enter__",
+             [](Memory& self) -> Memory& {
+                 self.limit.emplace(static_cast<std::uint64_t>(self.most), self.place);
+                 return self;
+             })
+        .def("__exit__", [](Memory& self, const py::args&) { self.limit.reset(); });
+}
 
 void bind_threads(py::module_& m) {
     m.def("thread_count", &thread_count, "Number of threads that vog's parallel loops use now.");
@@ -121,6 +162,7 @@ PYBIND11_MODULE(_vog, m) {
     py::register_exception<vog::Error>(m, "Error").attr("__doc__") =
         "Error in an input, file, option or device. One line: subject, problem, got, expected.";
     bind_threads(m);
+    bind_memory(m);
     bind_camera(m);
     bind_shade(m);
     bind_image(m);

@@ -3,6 +3,7 @@
 --grid names the density and --field further arrays. --measure volume carries values of any sign as fields, without a density. Without a
 command, and with info, the arrays of the file are listed. All other options are those of `vog COMMAND --help`.
 """
+import contextlib
 import os
 import re
 import shlex
@@ -16,7 +17,7 @@ from typing import Any, List
 from ._grids import Grids, density_of, write_scan
 from ._load import OME, YT, kind_of, load, read
 from ._vtk_files import arrays_of, dataset, leaves_of, read_vtk
-from ._vog import Cells, Error, Gaussians, Levels, Volume, convert
+from ._vog import Cells, Error, Gaussians, Levels, Volume, convert, memory_limit
 
 
 def _command() -> str:
@@ -88,6 +89,13 @@ def _list(path: str) -> None:
     print(f"\nTry:\n  python3 -m vog render {shlex.quote(path)}{choice}")
 
 
+def _limited(options: Options) -> Any:
+    """The command's limit of memory, for what is read before it."""
+    given = re.fullmatch(r"([\d.]+)([kKMGT]?)i?B?", next(iter(options.values("--memory")), ""))
+    folder = next((word.split("=", 1)[1] for word in options.values("--set") if word.startswith("scratch=")), "")
+    return memory_limit(float(given[1]) * 1024.0 ** " KMGT".index(given[2].upper() or " "), folder) if given else contextlib.nullcontext()
+
+
 def _written(path: str, folder: str, options: Options) -> "List[str]":
     """Files of vog's own with the arrays of a file that the options name."""
     stem = os.path.join(folder, _name(os.path.basename(os.path.normpath(path)).split(".")[0]) or "data")
@@ -148,7 +156,8 @@ def main(words: "List[str]") -> int:
             return 0
         with tempfile.TemporaryDirectory(prefix="vog-") as folder:
             options = Options(list(words))
-            made = {n: _written(words[n], folder, options) for n in inputs}
+            with _limited(options):
+                made = {n: _written(words[n], folder, options) for n in inputs}
             line = [file for n, word in enumerate(options.words) for file in made.get(n, [word] if word else [])]
             for option in ("--grid", "--field") if inputs else ():
                 for n in range(1, len(line)):

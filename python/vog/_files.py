@@ -12,6 +12,8 @@ from ._readers import oriented
 
 # Most voxels of the level of a pyramid that is read where none is named.
 _MOST_VOXELS = 2**27
+# Bytes of an array that are in memory at a time, at least, where it is read in parts.
+_PART_BYTES = 2**24
 
 At = Mapping[str, int]
 
@@ -85,19 +87,34 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
         warnings.warn(f"{path}: coordinates of several units ({listed}): voxels are cubes of 1; voxel_size= gives others", stacklevel=3)
         voxel_size = 1
 
-    def placed(array: Any) -> "Tuple[Any, Any, Any]":
-        array, _, size, origin, length = oriented(array.isel({axis: fixed.get(axis, 0) for axis in array.dims[:-3]}), None, voxel_size)
-        return array, lattice(size, 0 if origin is None else origin), length
+    def placed(array: Any) -> "Tuple[Any, Any, Any, Any]":
+        array, dims, size, origin, length = oriented(array.isel({axis: fixed.get(axis, 0) for axis in array.dims[:-3]}), None, voxel_size)
+        return array, dims, lattice(size, 0 if origin is None else origin), length
 
-    _, matrix, length = placed(lead)
+    _, _, matrix, length = placed(lead)
 
-    def blocks(_: int, name: str) -> Any:
-        array, own, _ = placed(arrays[name])
+    def slabs(name: str) -> Any:
+        source = arrays[name].isel({axis: fixed.get(axis, 0) for axis in arrays[name].dims[:-3]})
+        array, dims, own, _ = placed(arrays[name])
         if not np.allclose(own, matrix):
             raise _vog.Error(f"{path}: '{name}' has other coordinates than '{lead.name}', expected arrays of one lattice")
-        return [((0, 0, 0), array.values)]
+        turned = [dim in array.coords and array.coords[dim].values[0] != source.coords[dim].values[0] for dim in dims]
+        rows = max(1, int(arrays[name].encoding.get("preferred_chunks", {}).get(dims[2], 1)))
+        depth = rows * max(1, _PART_BYTES // (array.dtype.itemsize * array.shape[0] * array.shape[1] * rows))
 
-    return Grids(list(arrays), [matrix], blocks, lambda name: arrays[name].attrs.get("units"), path, length)
+        def part(first: int) -> Any:
+            last = min(first + depth, array.shape[2])
+            along = slice(array.shape[2] - last, array.shape[2] - first) if turned[2] else slice(first, last)
+            # Loaded before it is turned: xarray turns what is not by an index of each value.
+            values = source.isel({dims[2]: along}).load().transpose(..., *dims).values
+            return values.reshape(values.shape[-3:])[tuple(slice(None, None, -1 if back else 1) for back in turned)]
+
+        return array.shape, array.dtype, map(part, range(0, array.shape[2], depth))
+
+    def blocks(_: int, name: str) -> Any:
+        return [((0, 0, 0), np.concatenate(list(slabs(name)[2]), 2))]
+
+    return Grids(list(arrays), [matrix], blocks, lambda name: arrays[name].attrs.get("units"), path, length, slabs=slabs)
 
 
 # --- images

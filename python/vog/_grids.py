@@ -1,4 +1,5 @@
 """Named arrays on lattices, of one grid or of levels, as a Volume or Levels with fields."""
+import itertools
 import os
 import tempfile
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
@@ -29,7 +30,7 @@ class Grids(NamedTuple):
     length: Any = None
     up: "Optional[Tuple[float, float, float]]" = None
     scan: bool = False  # values above a background are density, as the readers of images have it
-    # of scans larger than memory: name -> shape [X, Y, Z], dtype, and arrays [X, Y, n] one after another along z
+    # of arrays larger than memory: name -> shape [X, Y, Z], dtype, and arrays [X, Y, n] one after another along z
     slabs: "Optional[Callable[[Any], Tuple[Tuple[int, ...], Any, Iterable[Any]]]]" = None
 
 
@@ -120,6 +121,23 @@ def _scan_volume(grids: Grids, name: str, **rules: Any) -> Any:
     return volume
 
 
+def _volume_of_slabs(slabs: "Iterable[Any]", matrix: Any, name: str, rules: "Dict[str, Any]") -> Any:
+    """The volume of arrays [X, Y, n] one after another along z."""
+
+    def parts() -> "Iterable[Tuple[Tuple[int, int, int], Any]]":
+        first, held = 0, np.zeros((0, 0, 0))
+        for slab in itertools.chain(slabs, [None]):
+            # Parts share no leaf of 8 voxels.
+            slab = held if slab is None else np.concatenate([held, slab], 2) if held.size else slab
+            depth = slab.shape[2] if slab is held else slab.shape[2] // 8 * 8
+            part, held = slab[:, :, :depth], slab[:, :, depth:]
+            if (part > 0).any() or ((part != 0).any() and not any(rules.values())):  # which is refused
+                yield (0, 0, first), part
+            first += depth
+
+    return _vog.Volume._from_parts(parts(), matrix, name, **rules)
+
+
 def assembled(
     grids: Grids, density: Any, fields: "Optional[Sequence[Any]]", levels: bool = False, background: "Optional[float]" = None, **rules: Any
 ) -> Any:
@@ -145,12 +163,14 @@ def assembled(
         given[field if isinstance(field, str) else field[-1]] = {"value": value, "unit": str(unit)} if unit else value
     volumes = []
     for level, matrix in enumerate(grids.levels):
-        blocks = [] if grids.scan and not ones else _values(grids, level, name)
+        blocks = [] if (grids.scan or grids.slabs) and not ones else _values(grids, level, name)
         if ones:
             blocks = [(first, np.isfinite(array if array.ndim == 3 else array.sum(-1)).astype(np.float32)) for first, array in blocks]
         title = "volume" if ones else name if isinstance(name, str) else name[-1]
         if grids.scan and not ones:
             volume = _scan_volume(grids, title, background=background, **rules)
+        elif grids.slabs and not ones:
+            volume = _volume_of_slabs(grids.slabs(name)[2], matrix, title, rules)
         else:
             volume = _vog.Volume.from_blocks(blocks, matrix=matrix, all_active=several and not ones, name=title, **rules)
         if grids.up:

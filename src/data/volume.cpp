@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "vog/error.h"
@@ -86,11 +88,23 @@ void sort_nodes(Volume& volume) {
         check_interrupt();
         sorted = by_origin(volume.leaves[i - 1], volume.leaves[i]);
     }
-    if (!sorted)
-        std::sort(volume.leaves.begin(), volume.leaves.end(), [](const Leaf& a, const Leaf& b) {
+    if (!sorted) {
+        std::vector<std::size_t> order(volume.leaves.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
             check_interrupt();
-            return by_origin(a, b);
+            return by_origin(volume.leaves[a], volume.leaves[b]);
         });
+        // Each moves once, around the cycles of the order.
+        for (std::size_t first = 0; first < order.size(); ++first) {
+            if (order[first] == first) continue;
+            const Leaf kept = volume.leaves[first];
+            std::size_t to = first;
+            for (std::size_t from; (from = std::exchange(order[to], to)) != first; to = from)
+                volume.leaves[to] = volume.leaves[from];
+            volume.leaves[to] = kept;
+        }
+    }
     std::sort(volume.tiles.begin(), volume.tiles.end(), by_origin);
 }
 

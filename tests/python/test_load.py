@@ -144,6 +144,40 @@ def test_xarray(tmp_path, name, package):
         vog.load(tmp_path / name, at={"time": 2})
 
 
+def test_arrays_are_read_in_parts(tmp_path, monkeypatch):
+    """Rows of chunks that end beside those of leaves, an axis downwards, and empty parts."""
+    pytest.importorskip("zarr", reason="needs zarr (pip install zarr)")
+    xarray = pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    array = np.random.default_rng(2).random((37, 9, 5)).astype(np.float32) + 0.5
+    array[21:29] = 0
+    xarray.Dataset({"density": (("z", "y", "x"), array)}, {"z": np.arange(37.0)[::-1]}).to_zarr(tmp_path / "a.zarr", encoding={"density": {"chunks": (5, 9, 5)}})
+    from vog import _files
+
+    monkeypatch.setattr(_files, "_PART_BYTES", 1)
+    with vog.memory_limit(2**30):
+        volume = vog.load(tmp_path / "a.zarr")
+    np.testing.assert_array_equal(volume.to_numpy((0, 0, 0), (5, 9, 37)), array[::-1].T)
+    assert volume.leaves == 2 * 4  # two rows of leaves, without the empty ones
+    array[3, 4, 2] = -1
+    xarray.Dataset({"density": (("z", "y", "x"), array)}).to_zarr(tmp_path / "b.zarr")
+    with pytest.raises(vog.Error, match="negative"):
+        vog.load(tmp_path / "b.zarr")
+    xarray.Dataset({"density": (("z", "y", "x"), 0 * array)}).to_zarr(tmp_path / "c.zarr")
+    with pytest.raises(vog.Error, match="density: no active voxel"):
+        vog.load(tmp_path / "c.zarr")
+
+
+def test_limits_of_memory():
+    assert vog.peak_memory() > 1e6
+    with vog.memory_limit(1e9), pytest.raises(vog.Error, match="limit"), vog.memory_limit(1e9):
+        pass
+    with pytest.raises(vog.Error, match="memory"), vog.memory_limit(1e6):
+        pass
+    for bytes in (0, -1, float("nan"), 1e30):
+        with pytest.raises(vog.Error, match="memory_limit: .* bytes, expected at least 64 MiB"):
+            vog.memory_limit(bytes)
+
+
 def test_broken_netcdf_is_one_line(tmp_path):
     pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
     (tmp_path / "a.nc").write_bytes(b"nothing")
