@@ -141,6 +141,12 @@ double steepest_gradient(const Scene& scene, const std::string& field);
 ColorScale value_scale(const ValueData& data, std::optional<bool> log = {});
 /// A hundredth of the diagonal of the data's box, to four digits: unit distance of opacities that a user states.
 double rough_unit_distance(const Box& box);
+/// What map_unit_distance is of: the opacity of `middle`, at least 0.1, times `thickness`, rounded to two digits.
+struct MapUnit {
+    double middle = 0;     ///< median value by mass
+    double thickness = 0;  ///< world units
+};
+MapUnit map_unit(const ValueData& data);
 /// Unit distance of a colour map whose opacity rises from 0 to 1 over a range of values: with it data of the median value, spread evenly
 /// over the silhouette of their box, absorb about twice (choose_transfer.cpp), to two digits. Volumes and the models made of them have the same
 /// one, since they have the same box, mass, and percentiles.

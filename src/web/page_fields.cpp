@@ -80,7 +80,11 @@ Json fields_json(const Gaussians& model, const Camera& view) {
         const ColorScale scale = value_scale(data);  // under a colour map
         entry["values"] = {scale.low, scale.high};
         entry["log"] = scale.kind == ColorScale::Kind::log;
+        const MapUnit unit = map_unit(data);
         entry["unitDistance"] = map_unit_distance(data, scale);
+        // Those of other ranges, and of stated opacities.
+        entry["unitOf"] = {unit.middle, std::isfinite(unit.thickness) ? unit.thickness : 0,
+                           rough_unit_distance(data.box)};
         entry["steepest"] = steepest_gradient(
             scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)),
             field.name);

@@ -213,6 +213,39 @@ class Links(NodeTest):
         self.assertEqual(self.state("#show=column&range=1,10&scale=log")["scale"], {"low": 1, "high": 10, "log": True})
         self.assertIsNone(self.state("#show=column&range=-1,10&scale=log")["scale"])
 
+    def test_words_hold_in_whatever_order_they_come(self):
+        cases = ["show=volume&field=heat&range=295,305&unit_distance=0.05", "show=volume&field=heat&range=290,310&scale=log", "show=volume&field=heat&window=300,20&unit_distance=0.02",
+                 "show=volume&field=heat&window=300,20&threshold=298", "show=volume&field=heat&bands=[[300,310,[1,0,0],1]]&unit_distance=0.02", "show=volume&field=heat&threshold=300",
+                 "show=volume&field=heat&gradient_opacity=[[0,0],[60,1]]&range=290,310&tf=viridis", "show=mean&field=heat&range=290,310&scale=log", "show=column&range=0.1,3&scale=log",
+                 "camera.eye=3,2,1&camera.look_at=0,0,0.5&camera.orthographic_width=2"]
+        shown = ("map", "scale", "show", "camera", "part")
+        made = lambda state: {**{key: state[key] for key in shown}, "transfer": state["transfers"].get(str(state["field"]))}
+        for case in cases:
+            together = made(self.state(f"#{case}"))
+            for words in (case.split("&"), case.split("&")[::-1]):
+                self.assertEqual(made(self.state(*(f"#{word}" for word in words))), together, words)
+        # The last of those that replace each other holds, a word without a value has its default, and a reader's own choice ends what was asked for.
+        transfer = lambda *hashes: made(self.state(*(f"#{words}" for words in ("show=volume&field=heat", *hashes))))["transfer"]
+        self.assertEqual(transfer("window=300,20", "range=290,310"), transfer("range=290,310"))
+        self.assertEqual(transfer("range=290,310", "threshold=300", "window=300,20"), transfer("window=300,20&threshold=300"))
+        self.assertIsNone(transfer("range=290,310", "range="))
+        self.assertIsNone(transfer("range=290,310", "field=signed"))
+        self.assertEqual(self.value("changedState(page, state, {show: 'mean'}).asked.words"), {})
+        # Nonsense leaves what is there.
+        self.assertEqual(transfer("range=290,310", "range=310,290", "bands=[[1]]"), transfer("range=290,310"))
+
+    def test_unit_distances_of_ranges_are_those_of_the_command(self):
+        for words, options in (("range=295,305", ["--range", "295,305"]), ("range=299,312", ["--range", "299,312"]), ("range=286,314&scale=log", ["--range", "286,314", "--scale", "log"]),
+                               ("window=300,20", ["--window", "300,20"]), ("bands=[[300,310,[1,0,0],1]]", ["--band", "300,310,red,1"])):
+            unit = self.state(f"#show=volume&field=heat&{words}")["transfers"]["0"]["unit"]
+            vog("render", "two.ply", "-o", "unit.png", "--size", "16", "--show", "volume", "--field", "heat", *options)
+            record = (self.folder / "unit.png").read_bytes()
+            self.assertAlmostEqual(unit, float(re.search(rb'"unit_distance": ?([-+.e0-9]+)', record).group(1)), delta=1e-6 * unit, msg=words)
+
+    def test_words_that_cannot_be_are_named(self):
+        self.state("#show=volume&field=signed&model=9&level=9")
+        self.assertEqual(self.value("problems"), ["model 9: expected 1 to 1", "level 9: expected 1 to 1"])
+
 
 class ReachedLight(NodeTest):
     modules = ("picture/light.js",)

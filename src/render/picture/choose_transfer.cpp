@@ -53,6 +53,18 @@ void require_inside(const TransferRequest& request, const ValueData& data) {
                 band.lower, band.upper);
 }
 
+/// The spread, of values as near to each other as the bins of ValueCounts by all that is known: within two bins, and in the data.
+ValueSpread spread_of(const ValueData& data) {
+    ValueSpread spread = data.spread;
+    const double largest = std::max(std::abs(spread.low), std::abs(spread.high));
+    const bool is_one = data.upper - data.lower <= 1e-6 * largest;  // value, but for rounding
+    if (!spread.known || is_one || spread.high - spread.low > largest / 32) return spread;
+    spread.low = std::max(spread.low - largest / 64, data.lower);
+    spread.high = std::min(spread.high + largest / 64, data.upper);
+    spread.middle = 0.5 * (spread.low + spread.high);
+    return spread;
+}
+
 }  // namespace
 
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field) {
@@ -122,7 +134,7 @@ ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
     using Kind = ColorScale::Kind;
     // Rays end in outer layers of low values: linear colours of a decade and more would be dark.
     constexpr double kLogRatio = 10, kDecades = 1e4;
-    const ValueSpread& spread = data.spread;
+    const ValueSpread spread = spread_of(data);
     const double high = spread.known ? spread.high : data.upper;
     double low = spread.known ? spread.low : data.lower;
     // Values above a background have a zero of their own: ratios of them mean nothing.
@@ -144,18 +156,23 @@ double rough_unit_distance(const Box& box) {
     return radius > 0 ? rounded(0.02 * radius, 4) : 1;
 }
 
-double map_unit_distance(const ValueData& data, const ColorScale& scale) {
-    if (data.box.empty()) return 1;
-    // Twice: the pictures of exposure_test.cpp then have a mean luminance of 0.35 to 0.65 where they show anything.
-    constexpr double kDepth = 2;
+MapUnit map_unit(const ValueData& data) {
     const Vec3d edge = data.box.upper - data.box.lower;
     // Mean over all directions, a quarter of the surface.
     const double silhouette = 0.5 * (edge.x * edge.y + edge.y * edge.z + edge.z * edge.x);
-    const double middle = data.spread.middle, share = scale_position(scale, middle);
+    const double middle = spread_of(data).middle;
+    // Twice: the pictures of exposure_test.cpp then have a mean luminance of 0.35 to 0.65 where they show anything.
+    constexpr double kDepth = 2;
+    const double absorbing = data.is_measure ? data.mass / (middle - data.background) : data.mass;
+    return {middle, absorbing / silhouette / kDepth};
+}
+
+double map_unit_distance(const ValueData& data, const ColorScale& scale) {
+    if (data.box.empty()) return 1;
+    const MapUnit of = map_unit(data);
+    const double share = scale_position(scale, of.middle);
     const double opacity = scale.kind == ColorScale::Kind::log ? share * share : share;
-    const double absorbing = std::max(opacity, 0.1) *
-                             (data.is_measure ? data.mass / (middle - data.background) : data.mass);
-    const double unit = absorbing / silhouette / kDepth;
+    const double unit = std::max(opacity, 0.1) * of.thickness;
     return unit > 0 && std::isfinite(unit) ? rounded(unit, 2) : rough_unit_distance(data.box);
 }
 

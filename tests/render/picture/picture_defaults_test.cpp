@@ -61,6 +61,22 @@ TEST(picture_defaults, cubes_have_the_closed_form_of_the_unit_distance) {
         }
 }
 
+TEST(picture_defaults, values_near_each_other_are_told_apart) {
+    for (const double low : {300.0, 1013.2, 1e5, -1e5 - 1}) {
+        ValueCounts counts;
+        for (int n = 0; n <= 1000; ++n) counts.add(static_cast<float>(low + n / 1000.0), 1);
+        ValueData data{low, low + 1, counts.spread(), {{0, 0, 0}, {1, 1, 1}}, 1, false, {}, 0};
+        const ColorScale scale = value_scale(data);
+        EXPECT_EQ(scale.low, low);
+        EXPECT_EQ(scale.high, low + 1);
+        EXPECT_NEAR(map_unit_distance(data, scale), 0.17,
+                    0.01);  // opacity 1/2, of 3/2 for the box, by two
+        // A few values far above do not count.
+        data.upper = low + 1e4;
+        EXPECT_LT(value_scale(data).high, low + 1 + std::abs(low) / 32);
+    }
+}
+
 TEST(picture_defaults, percentiles_are_those_of_the_mass) {
     ValueCounts counts;
     for (int n = 1; n <= 1000; ++n) counts.add(-static_cast<float>(n), 2);

@@ -104,22 +104,27 @@ PictureRecord record_of_json(const std::string& text) try {
 
 PictureRecord record_of_link(const std::string& link) try {
     Json json = Json::object();
+    bool has_words = false;
     for (std::size_t at = std::min(link.find('#'), link.size()); at < link.size();) {
         const std::size_t begin = at + 1;
         at = std::min(link.find('&', begin), link.size());
         const std::string word = link.substr(begin, at - begin);
         const std::size_t is = std::min(word.find('='), word.size());
         const std::string key = decoded(word.substr(0, is));
-        if (key.empty() || std::ranges::count(kOfPage, std::string_view(key)) > 0) continue;
+        has_words = has_words || !key.empty();
         const Json value =
             is == word.size() ? Json(true) : value_of(key, decoded(word.substr(is + 1)));
+        if (key == "exposure" && value != 1)
+            throw Error(
+                "exposure, a factor on a page's own extinction; extinction=NUMBER works here, too");
+        if (key.empty() || std::ranges::count(kOfPage, std::string_view(key)) > 0) continue;
         constexpr std::string_view kCamera = "camera.";
         if (key.starts_with(kCamera))
             json["camera"][key.substr(kCamera.size())] = value;
         else
             json[key] = value;
     }
-    if (json.empty()) throw Error("no link of a page, expected words behind '#', show=column&...");
+    if (!has_words) throw Error("no link of a page, expected words behind '#', show=column&...");
     return {request_of_json(json.dump()), {}};
 } catch (const nlohmann::json::exception& error) {
     throw Error("no link of a page: " + json_fault(error));

@@ -9,19 +9,22 @@ import { digitsOf, partOfRequest, requestOf } from './request.js';
 export const leastError = 0.5;
 export const mostError = 32;
 
+const nothingAsked = { words: {}, on: null };
+
 /** State of a page that opens; panel: whether its controls are shown. */
 export function firstState(page, panel) {
   const blank = {
     model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: false,
     camera: null, embed: false, still: false, subframes: 8, panel, bar: true,
     show: 'T', field: -1, part: '',
+    asked: nothingAsked,  // members of requests that make the scale and the transfer function, until a reader's own choice
     scale: null,     // null: the first view's; {log}: its logarithm, or not
     transfers: {},   // edited ones, by field
     light: { on: false, lights: [], weights: page.picture.light_weights, shadows: false, occlusion: false, scattering: 1, asymmetry: 0, clipped: true }, clip: null, planes: [],
     logAxis: false,  // of the values in the editor
     pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
   };
-  const state = { ...blank, ...partOfRequest(page, blank, page.picture, { fov: 38.58, span: 0 }).part };
+  const state = { ...blank, ...partOfRequest(page, blank, page.picture, { fov: 38.58, span: 0 }).part, asked: nothingAsked };
   return { ...state, ...shownOf(page.models[0], state) };
 }
 
@@ -36,6 +39,7 @@ export function changedState(page, before, part) {
   state.level = Math.max(0, Math.min(state.level, models[state.model].levels.length - 1));
   state.pixelError = Math.max(leastError, Math.min(state.pixelError, mostError));
   if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
+  if (!part.asked && ['show', 'field', 'part', 'scale', 'transfers', 'map', 'reverse'].some((key) => part[key] !== undefined && part[key] !== before[key])) state.asked = nothingAsked;
   Object.assign(state, shownOf(models[state.model], state, models[before.model].fields[state.field]?.name));
   if ((fieldKey(state) !== fieldKey(before) || state.show !== before.show) && part.scale === undefined) state.scale = null;
   return state;
@@ -53,6 +57,9 @@ const words = {
 /** Members of a request that have a default in every picture. */
 export const pictureWords = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'asymmetry', 'clip_lights', 'clip',
   'clip_planes', 'camera'];
+
+/** Members beside them, of volumes. */
+export const volumeWords = ['unit_distance', 'window', 'bands', 'threshold', 'gradient_opacity'];
 
 /** A value of JSON, without its brackets or quotes where it has none. */
 function valueOf(text) {
@@ -73,7 +80,7 @@ export function readLink(text) {
       const json = text.slice(text.indexOf('{'), text.lastIndexOf('}') + 1), given = JSON.parse(json.replaceAll("'\\''", "'"));
       const request = given.picture ?? given;
       if (typeof request !== 'object') throw request;
-      found.request = { ...Object.fromEntries(pictureWords.map((key) => [key, null])), ...request };
+      found.request = { ...Object.fromEntries([...pictureWords, ...volumeWords].map((key) => [key, null])), ...request };
     } catch {
       found.problems.push('the text is neither a link nor a request');
     }
@@ -108,7 +115,9 @@ export function partOfLink(page, state, { settings, request, problems }, home) {
   if (logaxis !== undefined) part.logAxis = logaxis;
   if (others.embed) part.panel = false;
   const now = part.model === undefined ? state : changedState(page, state, { model: part.model });
-  const made = partOfRequest(page, now, request, home);
+  const made = partOfRequest(page, now, request, home), { levels } = page.models[now.model];
+  if (model > page.models.length) made.problems.push(`model ${model}: expected 1 to ${page.models.length}`);
+  if (levels.length > 0 && level > levels.length) made.problems.push(`level ${level}: expected 1 to ${levels.length}`);
   if (off) {
     const { planes = [] } = partOfRequest(page, now, { clip_planes: off }, home).part;
     made.part.planes = [...(made.part.planes ?? state.planes.filter(({ on }) => on)), ...planes.map((plane) => ({ ...plane, on: false }))];

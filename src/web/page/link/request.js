@@ -111,11 +111,26 @@ function ofBands(bands, upper) {
   };
 }
 
-/** Transfer function of a volume's field that a request states; null: the page's own. */
-function transferOf(page, state, request, now, wrong) {
-  const source = page.models[now.model].fields[now.field], unit = [request.unit_distance, request.tf?.unit_distance, source.unitDistance].find(isAbove);
-  const gradient = [request.gradient_opacity, request.tf?.gradient_opacity].find(isGradient), before = request.gradient_opacity !== undefined && state.transfers[now.field];
-  let made = null;
+/** Unit distance of a map over a range, as vog::map_unit_distance, or of stated opacities, without a range. */
+function unitOf(source, range) {
+  if (!source.unitOf) return source.unitDistance;  // of earlier versions
+  const [middle, thickness, rough] = source.unitOf;
+  if (!range) return rough;
+  const { low, high, log } = range, at = Math.min(1, Math.max(0, log ? Math.log(middle / low) / Math.log(high / low) : (middle - low) / (high - low)));
+  const unit = Number((Math.max(0.1, log ? at * at : at) * thickness).toPrecision(2));
+  return unit > 0 ? unit : rough;
+}
+
+/**
+ * Transfer function of a volume's field that a request states; null: the page's own.
+ * now     the state with the request's map
+ * before  the field's, whose members stay where the request states none; null: none
+ * isOther whether another map is under it
+ */
+function transferOf(page, request, now, before, isOther, wrong) {
+  const all = comparable(page, now.model), source = all[0].fields[now.field], gradient = [request.gradient_opacity, request.tf?.gradient_opacity, before?.gradient].find(isGradient);
+  const named = page.maps.find(({ name }) => name === now.map), map = now.reverse ? reversed(named) : named;
+  let made = null, range = null;
   if (areNumbers(request.window, 2)) {
     const [low, high] = [-0.5, 0.5].map((side) => request.window[0] + side * request.window[1]);
     made = { name: 'window', colors: [[low, 0, 0, 0], [high, 1, 1, 1]], opacity: [[low, 0], [high, mostOpacity]] };
@@ -126,20 +141,49 @@ function transferOf(page, state, request, now, wrong) {
     const { name, colors, opacity, domain } = request.tf;
     if (arePoints(colors, 4)) made = { name: nameOf(name), colors, opacity: arePoints(opacity, 2) ? opacity : [[domain[0], 0], [domain[1], 1]] };
     else wrong('tf', 'points in order');
-  } else if (before) {
-    made = before;
-  } else if (areNumbers(request.range, 2) || request.unit_distance || request.scale || gradient) {
-    const usual = automaticRange(comparable(page, now.model), now.field), [low, high] = request.range ?? [usual.low, usual.high];
-    const log = request.scale === 'log' || (!request.range && request.scale !== 'linear' && usual.log);
-    if (near(low, usual.low) && near(high, usual.high) && log === usual.log && near(unit, usual.unit) && !gradient) return null;
-    const map = page.maps.find(({ name }) => name === now.map);
-    if (low < high && (!log || low > 0)) made = overRange(now.reverse ? reversed(map) : map, low, high, 1, log);
+  } else if (before && !request.range && !request.scale) {
+    made = { ...before, ...(isOther && { colors: overRange(map, before.colors[0][0], before.colors.at(-1)[0], 1, false).colors }) };
+  } else {
+    const usual = automaticRange(all, now.field), [low, high] = request.range ?? [usual.low, usual.high];
+    const log = request.scale === 'log' || (!request.range && request.scale !== 'linear' && usual.log), hasOpacity = map.opacity?.length > 0;
+    const isUsual = near(low, usual.low) && near(high, usual.high) && log === usual.log && near([request.unit_distance, request.tf?.unit_distance].find(isAbove) ?? usual.unit, usual.unit);
+    if (isUsual && !gradient && !Number.isFinite(request.threshold) && !hasOpacity) return null;
+    if (log && !(low > 0)) wrong(request.range ? 'range' : 'scale', 'values above 0 with scale log', request.range ?? request.scale);
+    else made = overRange(map, low, high, 1, log);
+    if (made) made.unit = 0;
+    if (!hasOpacity) range = { low, high, log };
   }
   if (made && Number.isFinite(request.threshold)) {
     const [, at] = walker(made.opacity)(request.threshold);
     made.opacity = [[request.threshold, 0], [request.threshold, at], ...made.opacity.filter(([v]) => v > request.threshold)];
   }
-  return made && { ...made, unit: made === before ? made.unit : unit, ...((gradient || made.gradient) && { gradient }) };
+  return made && { ...made, unit: [request.unit_distance, request.tf?.unit_distance, made.unit].find(isAbove) ?? unitOf(source, range), gradient };
+}
+
+/**
+ * Members that make a transfer function or a scale. Those that were asked for hold until others replace them, in whatever order they come:
+ * state.asked has them, {words, on: the quantity and the field that they have been used on, null: not yet}.
+ */
+const valueWords = ['tf', 'range', 'scale', 'window', 'bands', 'threshold', 'gradient_opacity', 'unit_distance'];
+const replaced = {
+  window: ['tf', 'range', 'scale', 'bands'], bands: ['tf', 'range', 'scale', 'window'], range: ['tf', 'window', 'bands'], tf: ['range', 'scale', 'window', 'bands'],
+};
+
+/**
+ * Members asked for, before and now.
+ * returns  {asked, isNew: the request has some, isFresh: some have their defaults again}
+ */
+function askedOf(before, request, problems) {
+  const asked = { ...before }, given = valueWords.filter((key) => request[key] !== undefined), isFresh = given.some((key) => request[key] === null);
+  for (const key of given) {
+    const value = request[key], isWrong = problems.some((line) => line.startsWith(`${key} `));
+    if (isWrong) continue;
+    const isDefault = value === null || value === 'auto' || value.length === 0, isOfMap = key === 'tf' && !isAtValues(value);
+    if (isDefault || (isOfMap && !value.unit_distance && !value.gradient_opacity)) delete asked[key];
+    else asked[key] = value;
+    if (!isDefault && !isOfMap) for (const other of replaced[key] ?? []) if (request[other] === undefined) delete asked[other];
+  }
+  return { asked, isNew: given.length > 0, isFresh };
 }
 
 /**
@@ -150,7 +194,7 @@ function transferOf(page, state, request, now, wrong) {
 export function partOfRequest(page, state, request, home) {
   const part = {}, problems = [], model = page.models[state.model];
   let background = null;
-  const wrong = (key, expected) => problems.push(`${key} ${JSON.stringify(request[key]).slice(0, 60)}: expected ${expected}`);
+  const wrong = (key, expected, value = request[key]) => problems.push(`${key} ${String(JSON.stringify(value)).slice(0, 60)}: expected ${expected}`);
   const taken = new Set(ofFiles);
   /** Takes a member: `read` gives a part of the state, null for another value than is expected. */
   const take = (key, expected, read, unset) => {
@@ -196,7 +240,7 @@ export function partOfRequest(page, state, request, home) {
   take('camera', 'eye, look_at, up, and fov_degrees or orthographic_width', (given) => {
     if (!isObject(given)) return null;
     const size = sizeOf(request.size), { eye, look_at: at, up, fov_degrees: fov, orthographic_width: width, ...others } = given;
-    const camera = { ...home, ...Object.fromEntries(Object.entries({ eye, at, up }).filter(([, v]) => v !== undefined)) };
+    const camera = { ...(state.camera ?? home), ...Object.fromEntries(Object.entries({ eye, at, up }).filter(([, v]) => v !== undefined)) };
     if (fov !== undefined) Object.assign(camera, { fov: vertical(fov, size, -1), span: 0 });
     if (width !== undefined) camera.span = width / across(size);
     const vectors = [camera.eye, camera.at, camera.up].every((v) => areNumbers(v, 3));
@@ -221,18 +265,21 @@ export function partOfRequest(page, state, request, home) {
   if (light?.shadows && !light.on && view) light.lights = fixedLights(light, view);
   for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
 
-  const stated = (...keys) => keys.some((key) => request[key] !== undefined);
-  if (volume && stated('tf', 'range', 'scale', 'window', 'bands', 'threshold', 'gradient_opacity', 'unit_distance')) {
-    const now = { ...state, ...part, ...shownOf(model, { ...state, ...part }) }, { [now.field]: before, ...others } = state.transfers;
-    const transfer = transferOf(page, state, request, now, wrong);
+  const now = { ...state, ...part, ...shownOf(model, { ...state, ...part }) }, key = `${now.show} ${now.field}`, isElsewhere = state.asked.on !== null && state.asked.on !== key;
+  const { asked, isNew, isFresh } = askedOf(isElsewhere ? {} : state.asked.words, request, problems);
+  const isMoved = Object.keys(asked).length > 0 && ['show', 'field'].some((key) => request[key] !== undefined);
+  part.asked = { words: asked, on: now.show === 'T' ? null : key };
+  if (part.field >= 0 && now.field !== part.field) wrong('field', `a scalar for ${now.show}`);
+  if (volume && now.show === 'volume' && (isNew || isMoved)) {
+    const { [now.field]: before, ...others } = state.transfers, { length: said } = problems, isMapAlone = !isFresh && Object.keys(asked).length === 0;
+    const transfer = isMapAlone ? before : transferOf(page, asked, now, isFresh ? null : before, request.tf !== undefined, wrong);
     // Another map is put under an edited function by the page (recolor).
-    if (transfer) part.transfers = { ...others, [now.field]: transfer };
-    else if (before && stated('range', 'unit_distance', 'window', 'bands')) part.transfers = others;
-  } else if (!volume && stated('range', 'scale')) {
-    const { range, scale } = request, log = scale === 'log';
-    if (areNumbers(range, 2) && range[0] < range[1] && (!log || range[0] > 0)) part.scale = { low: range[0], high: range[1], log };
+    if (transfer !== before && problems.length === said) part.transfers = transfer ? { ...others, [now.field]: transfer } : others;
+  } else if (!volume && (isMoved || request.range !== undefined || request.scale !== undefined)) {
+    const { range, scale } = asked, log = scale === 'log';
+    if (range && (!log || range[0] > 0)) part.scale = { low: range[0], high: range[1], log };
     else if (!range) part.scale = log || scale === 'linear' ? { log } : null;
-    else if (log) wrong('range', 'values above 0 with scale log');
+    else wrong('range', 'values above 0 with scale log', range);
   }
   return { part, background, problems };
 }

@@ -4,7 +4,7 @@ import { Site, asked, awayLine, placeOf } from '../stream/site.js';
 import { Requests } from '../stream/requests.js';
 import { areNumbers, isObject, parsedJson, refuse } from '../stream/rows.js';
 import { cannotRead } from '../stream/source.js';
-import { pictureWords, readLink, takeWord } from '../link/link.js';
+import { pictureWords, readLink, takeWord, volumeWords } from '../link/link.js';
 import { requestOf } from '../link/request.js';
 import { attachKeys } from '../input.js';
 import { Readout } from '../readout.js';
@@ -17,9 +17,10 @@ const own = {
   model: ['model', 1], exposure: ['exposure', 1], pixel_error: ['error', 1], memory: ['memory', 150], most: ['most', 2e6], subframes: ['subframes', 8],
   still: ['still', false],
 };
-const words = [...pictureWords, 'unit_distance', 'window', 'bands', 'threshold', 'gradient_opacity', 'light_weights', 'background', ...Object.keys(own)];
+const words = [...pictureWords, ...volumeWords, 'light_weights', 'background', ...Object.keys(own)];
 const cameraWords = ['camera.eye', 'camera.look_at', 'camera.up', 'camera.fov_degrees', 'camera.orthographic_width'];
-const wordOf = (name) => name.replaceAll('-', '_');
+const wordOf = (name) => name.replaceAll('-', '_'), hyphened = (word) => word.replaceAll('_', '-');
+const cameraNames = [...new Set([...cameraWords, ...cameraWords.map(hyphened)])];
 const nothing = () => ({ settings: {}, request: {}, problems: [] });
 const style = `
 :host { display: block; position: relative; aspect-ratio: 16 / 10; min-width: 0; contain: content; font: 13px/1.45 system-ui, sans-serif; }
@@ -80,7 +81,7 @@ function pageOf({ lightWeights, ...given }, about, models, { steps, ...site }, n
  */
 export function elementOf(given) {
   class VogView extends (globalThis.HTMLElement ?? Object) {
-    static observedAttributes = ['src', 'label', ...words.map((word) => word.replaceAll('_', '-')), ...cameraWords];
+    static observedAttributes = ['src', 'label', ...words.map(hyphened), ...cameraNames];
     /** Makes the worker that decodes; where it throws, the page's own thread decodes. */
     static worker = given.worker;
 
@@ -129,14 +130,18 @@ export function elementOf(given) {
       if (name === 'src') return this.#reopen();
       if (name === 'label') return this.#describe();
       const word = wordOf(name), found = nothing();
-      if (word.startsWith('camera')) found.request.camera = this.#cameraOfAttributes();
+      if (word.startsWith('camera')) {
+        // Of an attribute that goes the first view's is left.
+        if (value === null) this.#take({ ...nothing(), request: { camera: null } });
+        found.request.camera = this.#cameraOfAttributes();
+      }
       else if (value === null && own[word]) takeWord(found, ...own[word]);
       else Object.assign(found, readLink(`#${own[word]?.[0] ?? word}${value === '' ? '' : `=${encodeURIComponent(value ?? '')}`}`));
       this.#take(found);
     }
     #cameraOfAttributes() {
-      const read = (name) => readLink(`#${name}=${encodeURIComponent(this.getAttribute(name))}`).request.camera;
-      const given = ['camera', ...cameraWords].filter((name) => this.hasAttribute(name)).map(read);
+      const read = (name) => readLink(`#${wordOf(name)}=${encodeURIComponent(this.getAttribute(name))}`).request.camera;
+      const given = ['camera', ...cameraNames].filter((name) => this.hasAttribute(name)).map(read);
       return given.length > 0 ? Object.assign({}, ...given) : null;
     }
 
@@ -161,7 +166,8 @@ export function elementOf(given) {
       const found = nothing();
       for (const [key, value] of Object.entries(settings)) {
         const word = wordOf(key);
-        if (words.includes(word)) takeWord(found, own[word]?.[0] ?? word, value);
+        if (word === 'size') found.request.size = value;  // to read the camera by
+        else if (words.includes(word)) takeWord(found, own[word]?.[0] ?? word, value);
         else found.problems.push(`${key}: expected one of ${words.join(', ')}`);
       }
       return this.#take(found);
@@ -292,12 +298,15 @@ export function elementOf(given) {
 
     #take(found) {
       Object.assign(this.#asked.settings, found.settings);
-      Object.assign(this.#asked.request, found.request);
+      const { size, ...request } = found.request;
+      Object.assign(this.#asked.request, request);
       return this.#apply(found);
     }
 
     #apply({ settings, request, problems: before }) {
-      const view = this.#view, { background, ...others } = request, isSystem = background === 'system';
+      const view = this.#view, { background, ...others } = request, isSystem = background === 'system', { width, height } = view?.canvas ?? {};
+      // The lens of view.camera is that of the canvas.
+      if (view && request.camera && request.size === undefined) request.size = others.size = [width, height];
       const problems = view ? view.apply({ settings, request: isSystem ? others : request, problems: before }) : before;
       if (view && isSystem) {
         view.page.systemBackground = true;
