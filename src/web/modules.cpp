@@ -78,24 +78,40 @@ std::size_t literal_end(std::string_view text, std::size_t at) {
     return text.size();
 }
 
-/// A script or a shader without blanks beside operators and brackets.
+bool is_one_of(char mark, std::string_view marks) { return marks.find(mark) != marks.npos; }
+
+/// Whether a line of the preprocessor begins at a place of a shader; private members of scripts begin with '#', too.
+bool begins_directive(std::string_view text, std::size_t at) {
+    constexpr std::string_view kDirectives[] = {"#ifdef",  "#ifndef",  "#if ",
+                                                "#elif",   "#else",    "#endif",
+                                                "#define", "#version", "#extension"};
+    return std::ranges::any_of(kDirectives, [&](std::string_view name) {
+        return text.substr(std::min(at, text.size())).starts_with(name);
+    });
+}
+
+/// A script or a shader without blanks beside operators and brackets, and without the ends of lines that part nothing.
 std::string without_blanks(std::string_view text) {
     constexpr std::string_view kMarks = "=+-*/%<>?:,;{}()[]&|!^~\n";
     std::string kept;
+    bool is_directive = false;
     for (std::size_t at = 0; at < text.size();) {
         const char before = kept.empty() ? '\n' : kept.back();
-        const bool is_regex = text[at] == '/' && std::string_view("(,=:[!&|?{};\n").find(before) !=
-                                                     std::string_view::npos;
+        const bool is_regex = text[at] == '/' && is_one_of(before, "(,=:[!&|?{};\n");
         std::size_t end = at + 1;
         if (text[at] == '\'' || text[at] == '"' || text[at] == '`' || is_regex)
             end = literal_end(text, at);
-        else if (before == '\n' && text[at] == '#')  // of the preprocessor
-            end = std::min(text.find('\n', at), text.size());
+        const bool begins = before == '\n' && begins_directive(text, at);
+        if (begins) end = std::min(text.find('\n', at), text.size());
         const char after = end < text.size() ? text[end] : '\n';
         const bool is_sign = (before == '+' || before == '-') && after == before;
-        const bool is_beside =
-            kMarks.find(before) != kMarks.npos || kMarks.find(after) != kMarks.npos;
-        if (text[at] != ' ' || is_sign || !is_beside) kept += text.substr(at, end - at);
+        const bool is_beside = is_one_of(before, kMarks) || is_one_of(after, kMarks);
+        // Lines of the preprocessor have ends.
+        const bool parts_nothing = !is_directive && !begins_directive(text, end) &&
+                                   (is_one_of(before, ";{,([") || after == '}');
+        if (text[at] == '\n' ? !parts_nothing : text[at] != ' ' || is_sign || !is_beside)
+            kept += text.substr(at, end - at);
+        is_directive = begins;
         at = end;
     }
     return kept;

@@ -126,6 +126,26 @@ class Pictures(ElementTest):
         self.assertEqual(self.value("(view().set({show: 'volume'}), view().request.unit_distance)"), field["unitDistance"])
         self.assertEqual(self.value("errors()"), [])
 
+    def test_a_view_takes_its_own_words(self):
+        """Camera and request of a tall element, words in two orders, and names with hyphens."""
+        self.host('<vog-view src="plume.vogz" subframes="1" show="volume" style="width: 90px; height: 180px" camera.look-at="-1,42,8"></vog-view>')
+        self.value("view().ready.then(() => true)")
+        self.assertEqual(self.value("view().camera.look_at"), [-1, 42, 8])
+        for again in ("view().set({ camera: view().camera })", "view().set(view().request)"):
+            before = self.value("view().camera")
+            self.assertEqual(self.value(again), [])
+            for key, value in self.value("view().camera").items():
+                for a, b in zip(*(v if isinstance(v, list) else [v] for v in (value, before[key]))):
+                    self.assertAlmostEqual(a, b, delta=1e-5 * max(1, abs(b)), msg=(again, key))
+        self.value("view().set({ range: [0.2, 0.6], unit_distance: 5 })")
+        together = self.value("view().link")
+        for order in (("range", "unit_distance"), ("unit_distance", "range")):
+            self.value("view().set({ range: null, unit_distance: null })")
+            for word in order:
+                self.value(f"void (view().{word} = {({'range': '[0.2, 0.6]', 'unit_distance': 5})[word]})")
+            self.assertEqual(self.value("view().link"), together)
+        self.expect_rendered("plume.ply", 45)
+
     def test_two_elements_have_models_and_words_of_their_own(self):
         self.host('<vog-view src="plume.vogz" tf="viridis" subframes="1"></vog-view><vog-view src="flow.vogz" show="mean" field="temperature" background="white" subframes="1"></vog-view>')
         self.value("view(1).ready.then(() => true)")
