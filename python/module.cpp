@@ -52,7 +52,7 @@ Models, cells and pictures are not limited. Linux only. Raises vog.Error for too
 written or lies in memory.
 
 >>> with vog.memory_limit(1e9):
-...     len(vog.convert(vog.sample_cloud(32), budget=100)) <= 100
+...     len(vog.convert(vog.sample_cloud(64), budget=100)) <= 100
 True)")
         .def(py::init<double, std::string>(), py::arg("bytes"), py::arg("folder") = "")
         .def("__enter__",

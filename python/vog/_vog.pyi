@@ -12,6 +12,8 @@ from ._picture import Layer, Scale
 
 __all__ = [
     "Error",
+    "memory_limit",
+    "peak_memory",
     "thread_count",
     "threads",
     "Camera",
@@ -61,6 +63,12 @@ _Map: TypeAlias = Union[TransferFunction, _Path, NDArray[Any], Callable[[Any], A
 class Error(Exception): ...
 
 def thread_count() -> int: ...
+def peak_memory() -> int: ...
+
+class memory_limit:
+    def __init__(self, bytes: float, folder: str = ...) -> None: ...
+    def __enter__(self) -> memory_limit: ...
+    def __exit__(self, *args: object) -> None: ...
 
 class threads:
     def __init__(self, count: int) -> None: ...
@@ -196,6 +204,10 @@ class Volume:
         name: str = ...,
         skip_nonfinite: bool = ...,
         clip_negative: bool = ...,
+    ) -> Volume: ...
+    @staticmethod
+    def _from_parts(
+        parts: Iterable[tuple[_Index, ArrayLike]], matrix: ArrayLike, name: str, skip_nonfinite: bool, clip_negative: bool
     ) -> Volume: ...
     @staticmethod
     def from_blocks(
