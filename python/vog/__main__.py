@@ -106,6 +106,7 @@ def _written(path: str, folder: str, options: Options) -> "List[str]":
         data = read(place, kind, options.grid, level, {"density": options.grid, **options.rules})
         if isinstance(data, Grids) and data.scan:
             write_scan(stem + ".nrrd", data, density_of(data.names, options.grid, path))
+            options.drop("--grid")
             return [stem + ".nrrd"]
     wanted = list(dict.fromkeys([options.grid] * (options.ones and options.grid != "") + options.fields))
     data, fields = load(path, "volume" if options.ones else options.grid, fields=wanted, **options.rules)

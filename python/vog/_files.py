@@ -6,9 +6,9 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _vog
-from ._grids import Grids, density_of, lattice, one_grid
+from ._grids import Grids, lattice, lead_of, listed, one_grid
 from ._packages import need
-from ._readers import oriented
+from ._readers import axes_of, note_curved, oriented
 
 # Most voxels of the level of a pyramid that is read where none is named.
 _MOST_VOXELS = 2**27
@@ -28,6 +28,14 @@ def chosen(path: str, axis: str, length: int, at: At) -> int:
     return index
 
 
+def beside(path: str, axes: "Mapping[str, int]", at: At) -> "Dict[str, int]":
+    """Index along each of the axes beside x, y and z, {name: length}; raises vog.Error for others in `at`."""
+    for axis in at:
+        if axis not in axes:
+            raise _vog.Error(f"{path}: at: no axis {axis!r} beside x, y and z, expected {listed(list(axes)) or 'none, as the file has none'}")
+    return {axis: chosen(path, axis, length, at) for axis, length in axes.items()}
+
+
 def is_volume(array: Any) -> bool:
     return array.dtype.kind in "fiub" and (array.ndim == 3 or (array.ndim == 4 and array.shape[3] == 3))
 
@@ -38,7 +46,12 @@ def read_numpy(path: str, voxel_size: Any) -> Grids:
         loaded = np.load(path, mmap_mode="r")
     except (ValueError, EOFError, OSError) as error:
         raise _vog.Error(f"{path}: not an array of numbers: {error}") from None
-    arrays = {"density": loaded} if isinstance(loaded, np.ndarray) else {name: loaded[name] for name in loaded.files}
+    arrays = {"density": loaded} if isinstance(loaded, np.ndarray) else {}
+    for name in getattr(loaded, "files", ()):
+        try:
+            arrays[name] = loaded[name]
+        except ValueError:  # objects of Python
+            arrays[name] = np.empty(0, object)
     shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
     arrays = {name: array for name, array in arrays.items() if is_volume(array)}
     if not arrays:
@@ -46,7 +59,13 @@ def read_numpy(path: str, voxel_size: Any) -> Grids:
     return one_grid(path, lattice(1 if voxel_size is None else voxel_size, 0), arrays, {})
 
 
-def read_hdf5(path: str, at: At, voxel_size: Any) -> Any:
+def _text(value: Any) -> Any:
+    """Text of an attribute that may be bytes, or an array of one text."""
+    first: Any = value if isinstance(value, str) else next(iter(np.ravel(value)), "")
+    return first.decode("utf-8", "replace") if isinstance(first, bytes) else first
+
+
+def read_hdf5(path: str, wanted: str, at: At, voxel_size: Any) -> Any:
     """Arrays of three axes in HDF5, by their paths in the file; particles of a snapshot; data sets that yt knows."""
     h5py = need("h5py", f"load: {path}")
     try:
@@ -54,14 +73,15 @@ def read_hdf5(path: str, at: At, voxel_size: Any) -> Any:
     except OSError as error:
         raise _vog.Error(f"{path}: not a file of HDF5: {error}") from None
     if "openPMD" in file.attrs:
-        return read_openpmd(path, at)
+        return read_openpmd(path, wanted, at)
+    beside(path, {}, at)
     if any(name.startswith("PartType") for name in file):
         return _vog.Points.load(path)
     arrays: "Dict[str, Any]" = {}
     file.visititems(lambda name, item: arrays.update({name: item}) if isinstance(item, h5py.Dataset) and is_volume(item) else None)
     if not arrays:
         raise _vog.Error(f"{path}: no array of three axes, expected one (or a data set of a simulation: vog.from_yt(yt.load(...)))")
-    units = {name: item.attrs.get("units") for name, item in arrays.items()}
+    units = {name: _text(item.attrs.get("units", "")) for name, item in arrays.items()}
     return one_grid(path, lattice(1 if voxel_size is None else voxel_size, 0), arrays, units)
 
 
@@ -79,22 +99,32 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
     if not arrays:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in data.data_vars.items())
         raise _vog.Error(f"{path}: {shapes or 'no variables'}, expected a variable of three dimensions")
-    lead = arrays[density_of(list(arrays), wanted, path)]
-    fixed = {axis: chosen(path, axis, lead.sizes[axis], at) for axis in lead.dims[:-3]}
-    units = {str(lead.coords[axis].attrs.get("units", "")) for axis in lead.dims[-3:] if axis in lead.coords}
+    lead = arrays[lead_of(list(arrays), wanted, path)[0]]
+    others = lambda array: {axis: array.sizes[axis] for axis in array.dims if axis not in axes_of(array)}
+    beside(path, {axis: 1 for array in arrays.values() for axis in others(array)}, dict.fromkeys(at, 0))
+    fixed = beside(path, others(lead), {axis: index for axis, index in at.items() if axis in others(lead)})
+
+    def one(array: Any) -> Any:
+        """The part along x, y and z; further axes than those of the first array are fixed, too."""
+        new = {axis: length for axis, length in others(array).items() if axis not in fixed}
+        fixed.update(beside(path, new, {axis: index for axis, index in at.items() if axis in new}))
+        return array.isel({axis: fixed[axis] for axis in others(array)})
+
+    note_curved(one(lead), path)
+    units = {str(lead.coords[axis].attrs.get("units", "")) for axis in axes_of(lead) if axis in lead.coords}
     if voxel_size is None and len(units) > 1:
         listed = ", ".join(sorted(units))
         warnings.warn(f"{path}: coordinates of several units ({listed}): voxels are cubes of 1; voxel_size= gives others", stacklevel=3)
         voxel_size = 1
 
     def placed(array: Any) -> "Tuple[Any, Any, Any, Any]":
-        array, dims, size, origin, length = oriented(array.isel({axis: fixed.get(axis, 0) for axis in array.dims[:-3]}), None, voxel_size)
+        array, dims, size, origin, length = oriented(one(array), None, voxel_size)
         return array, dims, lattice(size, 0 if origin is None else origin), length
 
     _, _, matrix, length = placed(lead)
 
     def slabs(name: str) -> Any:
-        source = arrays[name].isel({axis: fixed.get(axis, 0) for axis in arrays[name].dims[:-3]})
+        source = one(arrays[name])
         array, dims, own, _ = placed(arrays[name])
         if not np.allclose(own, matrix):
             raise _vog.Error(f"{path}: '{name}' has other coordinates than '{lead.name}', expected arrays of one lattice")
@@ -142,7 +172,7 @@ def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
     for step in (*image["datasets"][level].get("coordinateTransformations", ()), *image.get("coordinateTransformations", ())):
         factor = np.asarray(step.get("scale", 1.0), float)
         scale, place = scale * factor, place * factor + np.asarray(step.get("translation", 0.0), float)
-    fixed = {axis: chosen(path, axis, array.shape[n], at) for n, axis in enumerate(names[:-3]) if axis != "c"}
+    fixed = beside(path, {axis: array.shape[n] for n, axis in enumerate(names[:-3]) if axis != "c"}, at)
     channels = array.shape[names.index("c")] if "c" in names else 1
     labels = [str(one.get("label", f"c{n}")) for n, one in enumerate(stated.get("ome", stated).get("omero", {}).get("channels", []))]
     if len(labels) != channels or len(set(labels)) != channels:
@@ -157,12 +187,20 @@ def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
         parts = (np.asarray(array[(*index, slice(z, z + depth))]).T for z in range(0, array.shape[-3], depth))
         return array.shape[:-4:-1], array.dtype, parts
 
-    length = str(axes[-1].get("unit", ""))
-    matrix = lattice(scale[:-4:-1], place[:-4:-1])
-    return Grids(labels, [matrix], blocks, lambda _: None, path, _OME_UNITS.get(length, length) or None, scan=True, slabs=slabs)
+    lengths = [str(axis.get("unit", "")) for axis in axes[:-4:-1]]
+    factors = np.ones(3)
+    if len(set(lengths)) > 1:
+        if not all(unit in _OME_UNITS for unit in lengths):
+            words = ", ".join(f"{axis} {unit or 'without one'}" for axis, unit in zip("xyz", lengths))
+            raise _vog.Error(f"{path}: axes in several units of length ({words}), expected the same or known ones: {', '.join(_OME_UNITS)}")
+        factors = np.array([_OME_UNITS[unit][1] for unit in lengths]) / _OME_UNITS[lengths[0]][1]
+    matrix = lattice(scale[:-4:-1] * factors, place[:-4:-1] * factors)
+    length = _OME_UNITS.get(lengths[0], (lengths[0], 1.0))[0]
+    return Grids(labels, [matrix], blocks, lambda _: None, path, length or None, scan=True, slabs=slabs)
 
 
-_OME_UNITS = {"angstrom": "angstrom", "nanometer": "nm", "micrometer": "um", "millimeter": "mm", "centimeter": "cm", "meter": "m"}
+# Units of length of OME-Zarr by their names: what vog calls them, and their metres.
+_OME_UNITS = {"angstrom": ("angstrom", 1e-10), "nanometer": ("nm", 1e-9), "micrometer": ("um", 1e-6), "millimeter": ("mm", 1e-3), "centimeter": ("cm", 1e-2), "meter": ("m", 1.0)}
 
 
 def _dicom_slices(path: str) -> "List[Any]":
@@ -188,10 +226,32 @@ def _dicom_slices(path: str) -> "List[Any]":
     return series[chosen_uid]
 
 
+def _same_kind(path: str, slices: "List[Any]") -> None:
+    """Raises vog.Error for a slice that is none of grey values, or lies otherwise than the first."""
+    first = slices[0]
+    for one in slices:
+        lacks = [name for name in ("ImageOrientationPatient", "PixelSpacing", "Rows", "Columns") if not one.get(name)]
+        wrong = f"no {lacks[0]}" if lacks else ""
+        if int(one.get("NumberOfFrames") or 1) > 1:
+            wrong = f"{one.NumberOfFrames} frames in one file"
+        elif int(one.get("SamplesPerPixel") or 1) > 1:
+            wrong = f"colours ({one.get('PhotometricInterpretation')})"
+        elif not lacks and (one.Rows, one.Columns) != (first.Rows, first.Columns):
+            wrong = f"{one.Columns} x {one.Rows} pixels, {first.Columns} x {first.Rows} in {os.path.basename(first.filename)}"
+        elif not lacks and not all(np.allclose(np.array(one[name].value, float), np.array(first[name].value, float), atol=1e-3)
+                                for name in ("ImageOrientationPatient", "PixelSpacing")):
+            wrong = f"turned or scaled otherwise than {os.path.basename(first.filename)}"
+        if wrong:
+            raise _vog.Error(f"{one.filename}: {wrong}, expected slices of grey values of one size (dcm2niix makes .nii files of other series)")
+    if first.get("PhotometricInterpretation") == "MONOCHROME1":
+        warnings.warn(f"{path}: MONOCHROME1, whose high values are meant to be dark: values are as stored", stacklevel=5)
+
+
 def read_dicom(path: str) -> Grids:
     """A series of slices, in RAS coordinates as of NIfTI, in mm; of computed tomography in Hounsfield units."""
     dcmread = need("pydicom", f"load: {path}").dcmread
     slices = _dicom_slices(path)
+    _same_kind(path, slices)
     head = slices[0]
     row, column = np.reshape([float(x) for x in head.ImageOrientationPatient], (2, 3))
     along = np.cross(row, column)
@@ -201,7 +261,7 @@ def read_dicom(path: str) -> Grids:
     steps = np.diff(places @ along)
     if len(steps) and (steps.min() <= 0 or np.ptp(steps) > 0.01 * steps.mean()):
         raise _vog.Error(f"{path}: slices {steps.min():g} to {steps.max():g} mm apart, expected even steps above 0 (dcm2niix makes even ones)")
-    step = (places[-1] - places[0]) / len(steps) if len(steps) else along * float(head.get("SliceThickness") or 1)
+    step = (places[-1] - places[0]) / len(steps) if len(steps) else along * float(head.get("SpacingBetweenSlices") or head.get("SliceThickness") or 1)
     down, right = (float(x) for x in head.PixelSpacing)
     matrix = np.eye(4)
     matrix[:3] = np.stack([row * right, column * down, step, places[0]], -1)
@@ -210,7 +270,11 @@ def read_dicom(path: str) -> Grids:
         pixels = []
         for one in slices:
             whole = dcmread(one.filename)
-            pixels.append(whole.pixel_array * np.float32(whole.get("RescaleSlope", 1)) + np.float32(whole.get("RescaleIntercept", 0)))
+            try:
+                stored = whole.pixel_array
+            except Exception as error:  # each decoder has exceptions of its own
+                raise _vog.Error(f"{one.filename}: pydicom cannot read its pixels: {str(error).splitlines()[0]} (dcm2niix may)") from None
+            pixels.append(stored * np.float32(whole.get("RescaleSlope", 1)) + np.float32(whole.get("RescaleIntercept", 0)))
         return [((0, 0, 0), np.stack(pixels).astype(np.float32).T)]
 
     unit = "HU" if head.get("Modality") == "CT" else None
@@ -221,27 +285,42 @@ def read_dicom(path: str) -> Grids:
 # --- particles and meshes
 
 
-def read_openpmd(path: str, at: At) -> Grids:
+def read_openpmd(path: str, wanted: str, at: At) -> Grids:
     """Meshes of one iteration of openPMD along x, y and z: E_x or rho."""
     io = need("openpmd_api", f"load: {path}")
-    series = io.Series(path, io.Access.read_only)
+    try:
+        series = io.Series(path, io.Access.read_only)
+    except Exception as error:  # each back end has exceptions of its own
+        raise _vog.Error(f"{path}: openpmd_api cannot read it: {str(error).splitlines()[0] if str(error) else type(error).__name__}") from None
     steps = sorted(series.iterations)
-    iteration = series.iterations[steps[chosen(path, "iteration", len(steps), at)]]
+    iteration = series.iterations[steps[beside(path, {"iteration": len(steps)}, at)["iteration"]]]
     parts = {(name if part == io.Mesh_Record_Component.SCALAR else f"{name}_{part}"): (mesh, mesh[part])
-             for name, mesh in iteration.meshes.items() for part in mesh if len(mesh.axis_labels) == 3}  # fmt: skip
+             for name, mesh in iteration.meshes.items() for part in mesh if sorted(mesh.axis_labels) == ["x", "y", "z"]}  # fmt: skip
     if not parts:
-        raise _vog.Error(f"{path}: no mesh of three axes, expected one")
-    mesh = next(iter(parts.values()))[0]
-    axes = [list(mesh.axis_labels).index(axis) for axis in "xyz"]
-    spacing, offset = (np.asarray(values, float)[axes] * mesh.grid_unit_SI for values in (mesh.grid_spacing, mesh.grid_global_offset))
+        axes = ", ".join(f"{name} along {', '.join(mesh.axis_labels)}" for name, mesh in iteration.meshes.items())
+        raise _vog.Error(f"{path}: {axes or 'no meshes'}, expected a mesh along x, y and z")
+    order = lambda name: [list(parts[name][0].axis_labels).index(axis) for axis in "xyz"]
+
+    def placed(name: str) -> Any:
+        mesh, part = parts[name]
+        spacing, offset = (np.asarray(values, float)[order(name)] * mesh.grid_unit_SI for values in (mesh.grid_spacing, mesh.grid_global_offset))
+        return lattice(spacing, offset + np.asarray(part.position, float)[order(name)] * spacing)
+
+    lead = lead_of(list(parts), wanted, path)[0]
+    matrix, shape = placed(lead), [parts[lead][1].shape[n] for n in order(lead)]
 
     def blocks(_: int, name: str) -> Any:
+        off = np.linalg.solve(matrix, placed(name)) - np.eye(4)  # in voxels
+        if [parts[name][1].shape[n] for n in order(name)] != shape or np.abs(off[:, :3]).max() > 1e-6 or np.abs(off[:, 3]).max() >= 1 - 1e-6:
+            raise _vog.Error(f"{path}: '{name}' has another lattice than '{lead}', expected arrays of one lattice")
+        if np.abs(off[:, 3]).max() > 1e-6:
+            shift = ", ".join(f"{x:.3g}" for x in off[:3, 3])
+            warnings.warn(f"{path}: '{name}' is staggered, by {shift} voxels from '{lead}', at whose places its values are used", stacklevel=5)
         values = parts[name][1].load_chunk()
         series.flush()
-        return [((0, 0, 0), np.transpose(values, axes) * parts[name][1].unit_SI)]
+        return [((0, 0, 0), np.transpose(values, order(name)) * parts[name][1].unit_SI)]
 
-    position = np.asarray(next(iter(parts.values()))[1].position, float)[axes]
-    return Grids(list(parts), [lattice(spacing, offset + position * spacing)], blocks, lambda _: None, path, "m")
+    return Grids(list(parts), [matrix], blocks, lambda _: None, path, "m")
 
 
 def read_yt(path: str) -> Any:

@@ -64,6 +64,9 @@ def listed(names: "Sequence[Any]") -> str:
     return ", ".join(map(str, names[:20])) + (", ..." if len(names) > 20 else "")
 
 
+_USUAL = ("density", "Density", "rho", "dens")
+
+
 def density_of(names: "Sequence[Any]", name: Any, source: str) -> Any:
     """The array that is the density: the one of this name; '': the only one, or one called density or rho."""
     if name:
@@ -73,12 +76,18 @@ def density_of(names: "Sequence[Any]", name: Any, source: str) -> Any:
         return parts[0]
     if len(names) == 1:
         return names[0]
-    for usual in ("density", "Density", "rho", "dens"):
+    for usual in _USUAL:
         if usual in names:
             return usual
     if not names:
         raise _vog.Error(f"{source}: no arrays of numbers, expected one at least")
     raise _vog.Error(f"{source}: several arrays, none called density, expected the name of one: {listed(names)}")
+
+
+def lead_of(names: "Sequence[Any]", wanted: Any, source: str) -> "Sequence[Any]":
+    """The array that decides the lattice, or its components: the one of this name; '': the density, else the first."""
+    usual = [name for name in _USUAL if name in names]
+    return named(names, wanted, source) if wanted else [usual[0] if usual else names[0]]
 
 
 def _values(grids: Grids, level: int, name: Any) -> Blocks:

@@ -26,6 +26,7 @@ class Kind(NamedTuple):
 YT = Kind("a data set of a simulation", (".athdf", ".art"), read_yt)
 OME = Kind("an image in OME-Zarr", (), read_ome_zarr)
 _DICOM = Kind("a series of DICOM", (".dcm", ".ima"), read_dicom)
+_OPENPMD = Kind("openPMD", (".bp", ".bp4", ".bp5"), read_openpmd)  # files or folders
 _ZARR = Kind("a store of Zarr", (".zarr",), read_xarray)
 _KINDS = [
     Kind("NumPy arrays", (".npy", ".npz"), read_numpy),
@@ -33,8 +34,7 @@ _KINDS = [
     Kind("NetCDF or GRIB", (".nc", ".nc4", ".cdf", ".grib", ".grb", ".grib2", ".grb2"), read_xarray),
     Kind("data of VTK", (".vtk", ".vti", ".vtr", ".vts", ".vtu", ".vtm", ".vtmb", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd", ".exo", ".e", ".ex2",
          ".case", ".foam", ".cgns"), read_vtk),
-    Kind("openPMD", (".bp", ".bp4", ".bp5"), read_openpmd),
-    YT, _DICOM, _ZARR,
+    YT, _DICOM, _ZARR, _OPENPMD,
 ]  # fmt: skip
 
 
@@ -70,6 +70,8 @@ def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
             if has(head):
                 with open(os.path.join(path, head), encoding="utf-8") as file:
                     return (OME if '"multiscales"' in file.read() else _ZARR), path
+        if os.path.splitext(path.rstrip("/"))[1].lower() in _OPENPMD.extensions:
+            return _OPENPMD, path
         if any(has(name) for name in (".zgroup", ".zmetadata")) or path.rstrip("/").endswith(".zarr"):
             return _ZARR, path
         enzo = [name[: -len(".hierarchy")] for name in names if name.endswith(".hierarchy")]
@@ -160,7 +162,8 @@ def load(
                 is then a pair: data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save;
                 for Cells, which contain their fields, the second is None
     level       of simulations: one covering grid of this level; of OME-Zarr: a level of the pyramid, 0 the finest
-    at          index along axes beside x, y and z: {"time": 3}; 0 elsewhere, with a warning
+    at          index along axes beside x, y and z: {"time": 3}, also the time of .pvd, .foam, .case and .exo;
+                0 elsewhere, with a warning
     voxel_size  for NumPy and HDF5; replaces the coordinates of xarray
     thickness   of surfaces in VTK meshes, whose triangles and quads otherwise have no volume
     unit        of simulations: unit of the density, as in from_yt

@@ -1,6 +1,7 @@
 """Volumes of other packages' data: yt, xarray, nibabel and tifffile."""
 import os
 import tempfile
+import warnings
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
@@ -51,6 +52,11 @@ def from_yt(
     """
     if not hasattr(ds, "domain_left_edge") or not hasattr(ds, "index"):
         raise TypeError(f"from_yt: got {described(ds)}, expected a data set of yt.load")
+    geometry = getattr(ds.geometry, "value", ds.geometry)
+    if geometry != "cartesian":
+        raise _vog.Error(f"from_yt: a data set of {geometry} geometry, expected cartesian (a pyvista.StructuredGrid of its cells, saved as .vts, is read as cells)")
+    if any(getattr(grid, "cell_widths", None) is not None for grid in getattr(ds.index, "grids", ())[:1]):
+        raise _vog.Error("from_yt: cells of uneven widths, expected even ones (a pyvista.RectilinearGrid of them, saved as .vtr, is read as cells)")
     field = tuple(field) if isinstance(field, list) else field
     known = [tuple(name) for name in (*ds.field_list, *ds.derived_field_list)]
     names = list(dict.fromkeys([name[1] for name in ds.field_list] + [name[1] for name in known])) + known
@@ -133,12 +139,13 @@ def from_xarray(
     """A DataArray of xarray as a Volume, with its coordinates and units.
 
     array       DataArray of three dimensions, or of more where the others have length 1
-    dims        names of the dimensions along x, y and z: ('lon', 'lat', 'lev'); None: those called x, y and z, else the last
-                three in reverse, as image stacks and models of the atmosphere have z first
+    dims        names of the dimensions along x, y and z: ('lon', 'lat', 'lev'); None: those called x or lon, y or lat, and z, else
+                the last three in reverse, as image stacks and models of the atmosphere have z first
     voxel_size  in place of the coordinates' spacing: a number or (x, y, z)
     skip_nonfinite, clip_negative  as in Volume.from_numpy; missing values are NaN
 
-    Coordinates are the centres of voxels and must be evenly spaced, up or down. The attribute `units` of the array and the common
+    Coordinates are the centres of voxels and must be evenly spaced, up or down; those along two axes are left out, with a warning.
+    With voxel_size they state the direction: latitudes run to the north, and pressures and depths (positive: down) downwards. The attribute `units` of the array and the common
     one of the coordinates become the units of the result; coordinates of different units need voxel_size.
 
     >>> import xarray
@@ -151,6 +158,7 @@ def from_xarray(
     if root_package(array) != "xarray" or not hasattr(array, "dims") or not hasattr(array, "coords") or hasattr(array, "data_vars"):
         more = ", one of the data set's variables: data['name']" if hasattr(array, "data_vars") else ""
         raise TypeError(f"from_xarray: got {described(array)}, expected a DataArray of xarray{more}")
+    note_curved(array, "from_xarray", dims)
     array, dims, size, origin, length = oriented(array, dims, voxel_size)
     values = array.data if root_package(array.data) in ("pint", "astropy", "unyt") else array.values
     volume = _vog.Volume.from_numpy(
@@ -163,13 +171,50 @@ def from_xarray(
     return set_units(volume, density, length) if density or length is not None else volume
 
 
+# Names of dimensions along x and y, and of those that are no places.
+_X, _Y = ("x", "lon", "longitude"), ("y", "lat", "latitude")
+_NO_PLACES = ("t", "time", "valid_time", "step", "member", "ensemble", "number", "realization", "run", "c", "channel", "band")
+# Units of coordinates that shrink upwards.
+_PRESSURES = ("Pa", "hPa", "kPa", "mbar", "mb", "millibar", "millibars", "bar", "dbar")
+
+
+def axes_of(array: Any) -> "Sequence[Any]":
+    """Dimensions of a DataArray along x, y and z: by their names, else the last three of places in reverse."""
+    if all(axis in array.dims for axis in "xyz"):
+        return ("x", "y", "z")
+    real = [name for name in array.dims if array.sizes[name] > 1 or name in ("x", "y", "z")]
+    places = [name for name in real if str(name).lower() not in _NO_PLACES and (name not in array.coords or array.coords[name].dtype.kind in "fiu")]
+    real = next((names for names in (places, real) if len(names) >= 3), list(array.dims))
+    x, y = (next((name for name in real if str(name).lower() in names), None) for names in (_X, _Y))
+    rest = [name for name in real if name not in (x, y)]
+    return tuple(reversed(real[-3:])) if x is None or y is None or not rest else (x, y, next((name for name in rest if name == "z"), rest[-1]))
+
+
+def note_curved(array: Any, source: str, dims: Optional[Sequence[str]] = None) -> None:
+    """A warning for coordinates along two axes and more, such as lat(y, x), which are left out."""
+    bare = {name for name in dims or axes_of(array) if name not in array.coords}
+    curved = [str(name) for name, values in array.coords.items() if values.ndim > 1 and bare & set(values.dims)]
+    if curved:
+        warnings.warn(
+            f"{source}: coordinates along several axes are left out: {', '.join(curved)}; positions are indices "
+            "(a pyvista.StructuredGrid of them, saved as .vts, is read as cells)", stacklevel=4
+        )  # fmt: skip
+
+
+def _direction(name: Any, coordinate: Any, voxel_size: Any) -> "tuple[float, float]":
+    """First place and step along an axis; with voxel_size the step is 1 upwards or -1."""
+    values = coordinate.values
+    if voxel_size is None:
+        return _even(name, values)
+    falls = bool(values.dtype.kind in "fiu" and len(values) > 1 and values[-1] < values[0])
+    down = coordinate.attrs.get("positive") == "down" or coordinate.attrs.get("units") in _PRESSURES
+    return 0.0, -1.0 if len(values) > 1 and falls != down else 1.0
+
+
 def oriented(array: Any, dims: Optional[Sequence[str]], voxel_size: Any) -> "tuple[Any, Any, Any, Any, Optional[str]]":
     """A DataArray along x, y and z, upwards; its dimensions, edges of a voxel, first centre, and unit of length."""
     lengths = dict(zip(array.dims, array.shape))
-    if dims is None:
-        real = [name for name in array.dims if lengths[name] > 1 or name in ("x", "y", "z")]
-        named = all(axis in lengths for axis in "xyz")
-        dims = ("x", "y", "z") if named else tuple(reversed(real[-3:] if len(real) >= 3 else array.dims[-3:]))
+    dims = axes_of(array) if dims is None else dims
     if len(dims) != 3 or len(set(dims)) != 3 or any(name not in lengths for name in dims):
         raise _vog.Error(f"from_xarray: dims {tuple(dims)}, expected three of {tuple(array.dims)}")
     for name in array.dims:
@@ -181,7 +226,7 @@ def oriented(array: Any, dims: Optional[Sequence[str]], voxel_size: Any) -> "tup
     first, edge, units = [], [], []
     for name in dims:
         has = name in array.coords
-        start, step = _even(name, array.coords[name].values) if has and voxel_size is None else (0.0, 1.0)
+        start, step = _direction(name, array.coords[name], voxel_size) if has else (0.0, 1.0)
         if step < 0:
             array = array.isel({name: slice(None, None, -1)})
             start, step = start + step * (lengths[name] - 1), -step

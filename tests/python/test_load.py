@@ -178,6 +178,49 @@ def test_limits_of_memory():
             vog.memory_limit(bytes)
 
 
+@pytest.mark.parametrize("dims", [("x", "y", "z", "time"), ("z", "y", "x", "member"), ("lon", "lat", "lev", "time"), ("x", "y", "depth", "channel")])
+def test_axes_are_taken_by_their_names(tmp_path, dims):
+    xarray = pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    pytest.importorskip("netCDF4", reason="needs netCDF4")
+    given = values() if dims[0] != "z" else values().T
+    array = xarray.DataArray(np.stack([given, 2 * given], -1), dims=dims, name="density")
+    xarray.Dataset({"density": array, "heat": array.isel({dims[3]: 0}, drop=True)}).to_netcdf(tmp_path / "a.nc")
+    with pytest.warns(UserWarning, match=f"{dims[3]} 0 of 2"):
+        check((vog.load(tmp_path / "a.nc"), {}), values(), (1, 1, 1), (0, 0, 0))
+    check((vog.load(tmp_path / "a.nc", at={dims[3]: 1}), {}), 2 * values(), (1, 1, 1), (0, 0, 0))
+    # `at` is of fields, too.
+    _, fields = vog.load(tmp_path / "a.nc", "heat", fields=["density"], at={dims[3]: 1})
+    np.testing.assert_allclose(fields["density"][0][1], 2 * values())
+    with pytest.raises(vog.Error, match=f"no axis 'tiem' beside x, y and z, expected {dims[3]}") as refused:
+        vog.load(tmp_path / "a.nc", at={"tiem": 1})
+    assert "\n" not in str(refused.value)
+
+
+def test_directions_of_coordinates_in_several_units(tmp_path):
+    """Latitudes that fall run to the north, and pressures that fall upwards, as in cubes of 1."""
+    xarray = pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    pytest.importorskip("netCDF4", reason="needs netCDF4")
+    places = {"lev": ("lev", np.array([1000.0, 900, 850, 700, 500, 300, 200]), {"units": "hPa"}),
+              "lat": ("lat", np.linspace(60.0, 40, 6), {"units": "degrees_north"}), "lon": ("lon", np.arange(5.0), {"units": "degrees_east"})}  # fmt: skip
+    data = xarray.Dataset({"density": (("lev", "lat", "lon"), values().T)}, places)
+    for name, one in (("a.nc", data), ("b.nc", data.isel(lev=slice(None, None, -1)))):
+        one.to_netcdf(tmp_path / name)
+        with pytest.warns(UserWarning, match="coordinates of several units"):
+            check((vog.load(tmp_path / name), {}), values()[:, ::-1], (1, 1, 1), (0, 0, 0))
+        check((vog.load(tmp_path / name, voxel_size=(1, 2, 3)), {}), values()[:, ::-1], (1, 2, 3), (0, 0, 0))
+    np.testing.assert_allclose(vog.from_xarray(data["density"], voxel_size=1).to_numpy(), values()[:, ::-1], rtol=1e-6)
+
+
+def test_coordinates_along_two_axes_are_noted(tmp_path):
+    xarray = pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    pytest.importorskip("netCDF4", reason="needs netCDF4")
+    data = xarray.Dataset({"density": (("z", "y", "x"), values().T)}, {"lat": (("y", "x"), np.ones((6, 5)))})
+    data.to_netcdf(tmp_path / "a.nc")
+    for call in (lambda: vog.load(tmp_path / "a.nc"), lambda: vog.from_xarray(data["density"])):
+        with pytest.warns(UserWarning, match="coordinates along several axes are left out: lat; positions are indices .*StructuredGrid"):
+            check((call(), {}), values(), (1, 1, 1), (0, 0, 0))
+
+
 def test_broken_netcdf_is_one_line(tmp_path):
     pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
     (tmp_path / "a.nc").write_bytes(b"nothing")
@@ -194,6 +237,17 @@ def test_hdf5(tmp_path):
     volume, fields = vog.load(tmp_path / "a.h5", "run/density", fields=["run/heat"], voxel_size=2)
     check((volume, {}), values(), (2, 2, 2), (0, 0, 0))
     assert fields["run/heat"]["unit"] == "K"
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        for name, unit in (("density", np.bytes_("g/cm3")), ("heat", [np.bytes_("K")])):
+            file[name] = values()
+            file[name].attrs["units"] = unit
+    volume, fields = vog.load(tmp_path / "b.h5", fields=["heat"])
+    assert vog.units_of(volume).density == "g/cm3" and fields["heat"]["unit"] == "K"
+
+
+def test_objects_beside_arrays_are_left_out(tmp_path):
+    np.savez(tmp_path / "a.npz", density=values(), meta=np.array([{}], object))
+    np.testing.assert_allclose(vog.load(tmp_path / "a.npz").to_numpy(), values(), rtol=1e-6)
 
 
 def test_ome_zarr_takes_channels_places_and_levels(tmp_path):
@@ -213,6 +267,27 @@ def test_ome_zarr_takes_channels_places_and_levels(tmp_path):
     np.testing.assert_array_equal(loaded[1]["nuclei"][0][1], stack[0].T)
     assert vog.units_of(loaded[0]).length == "um"
     check((vog.load(tmp_path / "a.zarr", "walls", level=1, background=0), {}), stack[1, ::2, ::2, ::2].T, (2, 4, 6), (7, 6, 5))
+
+
+def write_ome(folder, units, channels=1):
+    zarr = pytest.importorskip("zarr", reason="needs zarr (pip install zarr)")
+    group = zarr.open_group(folder, mode="w")
+    group["0"] = np.random.default_rng(1).integers(20, 250, (channels, 8, 12, 16)).astype(np.uint8)
+    axes = [{"name": "c", "type": "channel"}] + [{"name": axis, **({"unit": unit} if unit else {})} for axis, unit in zip("zyx", units)]
+    steps = [{"type": "scale", "scale": [1, 4000, 3, 2]}, {"type": "translation", "translation": [0, 1000, 6, 7]}]
+    group.attrs["multiscales"] = [{"axes": axes, "datasets": [{"path": "0", "coordinateTransformations": steps}]}]
+    group.attrs["omero"] = {"channels": [{"label": f"stain {n}"} for n in range(channels)]}
+
+
+def test_ome_zarr_in_several_units_of_length(tmp_path):
+    write_ome(tmp_path / "a.zarr", ("nanometer", "micrometer", "micrometer"))
+    volume = vog.load(tmp_path / "a.zarr", background=0)
+    np.testing.assert_allclose(volume.matrix @ [1, 1, 1, 1], [9, 9, 5, 1])
+    assert vog.units_of(volume).length == "um"
+    for units, words in ((("parsec", "micrometer", "micrometer"), "z parsec"), ((None, "micrometer", "micrometer"), "z without one")):
+        write_ome(tmp_path / "a.zarr", units)
+        with pytest.raises(vog.Error, match=f"axes in several units of length .*{words}"):
+            vog.load(tmp_path / "a.zarr")
 
 
 @pytest.fixture
@@ -274,7 +349,7 @@ def test_an_image_at_an_address_is_converted_within_a_limit_of_memory(tmp_path, 
     assert int(done.stdout.split()[-1]) * 1024 < 0.9 * size**3 * 4
 
 
-def write_dicom(folder, stack, spacing=(2.0, 0.5, 0.25)):
+def write_dicom(folder, stack, spacing=(2.0, 0.5, 0.25), change=lambda slice_, n: None):
     pydicom = pytest.importorskip("pydicom", reason="needs pydicom (pip install pydicom)")
     from pydicom.dataset import FileMetaDataset
 
@@ -295,6 +370,7 @@ def write_dicom(folder, stack, spacing=(2.0, 0.5, 0.25)):
         slice_.HighBit, slice_.PixelRepresentation = 15, 0
         slice_.PixelData = stack[n].astype("<u2").tobytes()
         slice_.is_little_endian, slice_.is_implicit_VR = True, False
+        change(slice_, n)
         slice_.save_as(folder / f"{n}.dcm", write_like_original=False)
 
 
@@ -310,6 +386,28 @@ def test_dicom_series(tmp_path):
     (tmp_path / "1.dcm").unlink()
     with pytest.raises(vog.Error, match="slices 2 to 4 mm apart, expected even steps"):
         vog.load(tmp_path)
+
+
+@pytest.mark.parametrize("name, value, message", [
+    ("PixelSpacing", None, "no PixelSpacing"), ("ImageOrientationPatient", None, "no ImageOrientationPatient"), ("Rows", 4, "6 x 4 pixels, 6 x 5 in "),
+    ("NumberOfFrames", 3, "3 frames"), ("SamplesPerPixel", 3, "colours"), ("ImageOrientationPatient", [0, 1, 0, 0, 0, -1], "turned or scaled otherwise"),
+    ("PixelData", b"12", "pydicom cannot read its pixels"),
+])  # fmt: skip
+def test_slices_that_make_no_series_are_named(tmp_path, name, value, message):
+    write_dicom(tmp_path, np.ones((4, 5, 6), int), change=lambda slice_, n: n == 2 and (setattr(slice_, name, value) if value else delattr(slice_, name)))
+    with pytest.raises(vog.Error, match=f"2.dcm: {message}.*dcm2niix") as refused:
+        vog.load(tmp_path, background=0)
+    assert "\n" not in str(refused.value)
+
+
+def test_single_and_inverted_slices(tmp_path):
+    def change(slice_, n):
+        slice_.SpacingBetweenSlices, slice_.SliceThickness, slice_.PhotometricInterpretation = 4, 3, "MONOCHROME1"
+
+    write_dicom(tmp_path, np.full((1, 5, 6), 700), change=change)
+    with pytest.warns(UserWarning, match="MONOCHROME1, whose high values are meant to be dark: values are as stored"):
+        volume = vog.load(tmp_path, background=-1000)
+    assert volume.matrix[2, 2] == 4 and volume.to_numpy().max() == 1400
 
 
 def test_openpmd(tmp_path):
@@ -330,6 +428,38 @@ def test_openpmd(tmp_path):
     volume, fields = vog.load(tmp_path / "a_5.h5", fields=["E"])
     check((volume, {}), values(), (0.5, 1, 1.5), (2.25, 3, 3.75))
     np.testing.assert_allclose(fields["E"][0][1][..., 1], values(-1))
+
+
+def write_openpmd(path, meshes):
+    """Meshes {name: (array, spacing, offset, unit, position, labels)}, with the component x of E."""
+    io = pytest.importorskip("openpmd_api", reason="needs openPMD-api (pip install openpmd-api)")
+    series = io.Series(str(path), io.Access.create)
+    for name, (data, spacing, offset, unit, position, labels) in meshes.items():
+        mesh = series.iterations[0].meshes[name]
+        mesh.axis_labels, mesh.grid_spacing, mesh.grid_global_offset, mesh.grid_unit_SI = list(labels), [spacing] * 3, [offset] * 3, unit
+        part = mesh["x" if name == "E" else io.Mesh_Record_Component.SCALAR]
+        part.position = [position] * 3
+        part.reset_dataset(io.Dataset(data.dtype, data.shape))
+        part.store_chunk(np.ascontiguousarray(data))
+        series.flush()
+    series.close()
+
+
+@pytest.mark.parametrize("ending", ["h5", "bp"])
+def test_meshes_of_openpmd_have_their_own_lattices(tmp_path, ending):
+    pytest.importorskip("h5py", reason="needs h5py (pip install h5py)")
+    path, whole = tmp_path / f"a.{ending}", (values(), 2.0, 10.0, 0.5, 0.0, "xyz")
+    write_openpmd(path, {"E": (values()[1:], 3.0, 1.0, 1.0, 0.5, "xyz"), "heat": (values(), 2.0, 10.0, 0.5, 0.5, "xyz"), "rho": whole, "flow": whole})
+    check((vog.load(path), {}), values(), (1, 1, 1), (5, 5, 5))
+    check((vog.load(path, "E_x"), {}), values()[1:], (3, 3, 3), (2.5, 2.5, 2.5))
+    np.testing.assert_allclose(vog.load(path, fields=["flow"])[1]["flow"][0][1], values())
+    with pytest.raises(vog.Error, match="'E_x' has another lattice than 'rho'"):
+        vog.load(path, fields=["E_x"])
+    with pytest.warns(UserWarning, match="'heat' is staggered, by 0.5, 0.5, 0.5 voxels from 'rho'"):
+        vog.load(path, fields=["heat"])
+    write_openpmd(tmp_path / f"b.{ending}", {"rho": (*whole[:5], "rtz")})
+    with pytest.raises(vog.Error, match="rho along r, t, z, expected a mesh along x, y and z"):
+        vog.load(tmp_path / f"b.{ending}")
 
 
 def write_amrex(folder):
@@ -353,6 +483,19 @@ def test_simulations_bring_fields(tmp_path):
     np.testing.assert_allclose(covering.to_numpy(), density, rtol=1e-6)
     levels.save(tmp_path / "l.vdb", fields=fields)
     assert vog.grid_names(tmp_path / "l.vdb") == ["density", "heat_L0"]
+
+
+def test_uneven_and_curved_simulations_are_refused():
+    yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
+    data = {"density": np.ones((8, 8, 8))}
+    widths = [np.array([0.05, 0.1, 0.2, 0.1, 0.05, 0.2, 0.2, 0.1]), np.full(8, 0.125), np.full(8, 0.125)]
+    box = np.array([[1, 2], [0, np.pi], [0, 2 * np.pi]])
+    for made, message in (
+        (yt.load_uniform_grid(data, (8, 8, 8), bbox=box, geometry="spherical"), "spherical geometry, expected cartesian .*StructuredGrid"),
+        (yt.load_uniform_grid(data, (8, 8, 8), bbox=np.array([[0, 1]] * 3), cell_widths=widths), "uneven widths, expected even ones .*RectilinearGrid"),
+    ):  # fmt: skip
+        with pytest.raises(vog.Error, match=message):
+            vog.from_yt(made)
 
 
 def test_missing_packages_are_named(tmp_path, monkeypatch):
@@ -401,3 +544,8 @@ class TestCommand:
         write_dicom(tmp_path / "ct", np.random.default_rng(2).integers(100, 900, (4, 5, 6)))
         self.run(tmp_path, "convert", "ct", "--set", "background-value=-1000", "-o", "ct.ply")
         assert "HU" in self.run(tmp_path, "info", "ct")
+
+    def test_channels_are_chosen_by_their_names(self, tmp_path):
+        write_ome(tmp_path / "a.zarr", ("micrometer",) * 3, channels=2)
+        self.run(tmp_path, "convert", "a.zarr", "--grid", "stain 1", "--set", "background-value=0", "-o", "a.ply")
+        assert vog.Gaussians.load(tmp_path / "a.ply").mass > 0
