@@ -1,7 +1,7 @@
 """Arrays in files of other programs: NumPy, HDF5, NetCDF, GRIB, Zarr, OME-Zarr, DICOM and openPMD."""
 import os
 import warnings
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -100,7 +100,7 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in data.data_vars.items())
         raise _vog.Error(f"{path}: {shapes or 'no variables'}, expected a variable of three dimensions")
     lead = arrays[lead_of(list(arrays), wanted, path)[0]]
-    others = lambda array: {axis: array.sizes[axis] for axis in array.dims if axis not in axes_of(array)}
+    others: "Callable[[Any], Dict[Any, int]]" = lambda array: {axis: array.sizes[axis] for axis in array.dims if axis not in axes_of(array)}
     beside(path, {axis: 1 for array in arrays.values() for axis in others(array)}, dict.fromkeys(at, 0))
     fixed = beside(path, others(lead), {axis: index for axis, index in at.items() if axis in others(lead)})
 
@@ -299,7 +299,7 @@ def read_openpmd(path: str, wanted: str, at: At) -> Grids:
     if not parts:
         axes = ", ".join(f"{name} along {', '.join(mesh.axis_labels)}" for name, mesh in iteration.meshes.items())
         raise _vog.Error(f"{path}: {axes or 'no meshes'}, expected a mesh along x, y and z")
-    order = lambda name: [list(parts[name][0].axis_labels).index(axis) for axis in "xyz"]
+    order: "Callable[[str], List[int]]" = lambda name: [list(parts[name][0].axis_labels).index(axis) for axis in "xyz"]
 
     def placed(name: str) -> Any:
         mesh, part = parts[name]

@@ -295,3 +295,112 @@ def test_commands_take_meshes(tmp_path, curvilinear):
     run("render", "ring.vts", "-o", "ring.png", "--size", "32")
     run("convert", "ring.vts", "--error", "0.1", "-o", "few.ply")
     assert 0 < len(vog.Gaussians.load(tmp_path / "few.ply")) < 512
+
+
+@pytest.fixture
+def box():
+    """[5, 4, 3] cells of 1 x 2 x 3, of which the 20 in the first layer are marked."""
+    pyvista = pytest.importorskip("pyvista", reason="needs pyvista (pip install pyvista)")
+    return pyvista.ImageData(dimensions=(6, 5, 4), spacing=(1, 2, 3)), (np.arange(60) < 20).astype(np.uint8)
+
+
+def test_arrays_of_cells_win_over_those_of_points_with_the_same_name(tmp_path, box):
+    for mesh, name in ((box[0], "a.vti"), (box[0].cast_to_unstructured_grid(), "a.vtu")):
+        mesh.point_data["density"], mesh.cell_data["density"] = np.ones(mesh.n_points), np.full(60, 3.0)
+        mesh.save(tmp_path / name)
+        assert vog.convert(vog.load(tmp_path / name), budget=1).mass == pytest.approx(3 * 360, rel=1e-6)
+
+
+def test_components_of_meshes_are_a_vector(tmp_path, box):
+    mesh = box[0].cast_to_unstructured_grid()
+    mesh.point_data.update({"density": np.ones(120), "vx": mesh.points[:, 0], "vy": mesh.points[:, 1], "vz": np.zeros(120)})
+    mesh.save(tmp_path / "a.vtu")
+    field = vog.convert(vog.load(tmp_path / "a.vtu", fields=["v"])[0], budget=1).fields["v"]
+    assert field.is_vector
+    np.testing.assert_allclose(field.value, [[2.5, 4, 0]], atol=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["vti", "vtr", "vts", "vtk", "vtu"])
+@pytest.mark.parametrize("ghost, counted", [(1, 40), (8, 40), (32, 40), (2, 60)])  # duplicate, refined, hidden; in high connectivity
+def test_ghosts_do_not_count(tmp_path, box, kind, ghost, counted):
+    mesh, marked = box
+    mesh = {"vtr": mesh.cast_to_rectilinear_grid, "vts": mesh.cast_to_structured_grid, "vtu": mesh.cast_to_unstructured_grid}.get(kind, mesh.copy)()
+    mesh.cell_data.update({"density": np.ones(60), "heat": np.arange(60.0), "vtkGhostType": ghost * marked})
+    path = tmp_path / f"a.{kind}"
+    mesh.save(path)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        data, weighted = vog.load(path), vog.load(path, "volume", fields=["heat"])
+    assert ("20 of 60 cells are ghosts or hidden" in str([str(one.message) for one in caught])) == (counted == 40)
+    for model in (vog.convert(data, budget=50), vog.convert(weighted[0], budget=50, fields=weighted[1])):
+        assert model.mass == pytest.approx(6 * counted, rel=1e-6)
+
+
+def test_hidden_points_do_not_count(tmp_path, box):
+    image, hidden = box[0], 2 * (np.arange(120) < 30).astype(np.uint8)
+    image.point_data.update({"density": np.ones(120), "vtkGhostType": hidden})
+    image.save(tmp_path / "a.vti")
+    assert vog.load(tmp_path / "a.vti").mass == pytest.approx(90 * 6)
+    image.cell_data["rho"] = np.ones(60)  # hidden with their corners
+    image.save(tmp_path / "b.vti")
+    assert vog.load(tmp_path / "b.vti", "rho").mass == pytest.approx(40 * 6)
+    bent = image.cast_to_structured_grid()
+    bent.points[:, 2] += 0.3 * (bent.points[:, 2] == 9) * np.sin(bent.points[:, 0])
+    bent.save(tmp_path / "c.vts")
+    assert len(vog.load(tmp_path / "c.vts", "rho")) == 40
+    # A point is hidden by all cells around it.
+    image.clear_data()
+    image.point_data["density"], image.cell_data["vtkGhostType"] = np.ones(120), 32 * box[1]
+    image.save(tmp_path / "d.vti")
+    assert vog.load(tmp_path / "d.vti").mass == pytest.approx(90 * 6)
+
+
+def test_concave_polyhedra_have_their_own_volume(tmp_path):
+    """An L of two by two, with linear data and a cube beside it, against the closed form."""
+    pyvista = pytest.importorskip("pyvista", reason="needs pyvista (pip install pyvista)")
+    base = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], float)
+    points = np.vstack([np.c_[base, np.zeros(6)], np.c_[base, np.ones(6)], CUBE + [5, 0, 0]])
+    sides = [[n, (n + 1) % 6, (n + 1) % 6 + 6, n + 6] for n in range(6)]
+    faces = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], *sides]
+    for turned in (faces, [face[::-1] for face in faces]):
+        stream = [8, *(number for face in turned for number in (len(face), *face))]
+        mesh = pyvista.UnstructuredGrid(np.array([len(stream), *stream, 8, *range(12, 20)]), np.array([42, 12], np.uint8), points)
+        mesh.point_data["heat"], mesh.cell_data["density"] = points @ [1.0, 2, 3], [1.0, 2.0]
+        mesh.save(tmp_path / "a.vtu")
+        cells = vog.load(tmp_path / "a.vtu", fields=["heat"])[0]
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            model = vog.convert(cells, budget=1)
+        assert model.mass == pytest.approx(3 + 2, rel=1e-6)
+        centre = (np.array([2.5, 2.5, 1.5]) + 2 * np.array([5.5, 0.5, 0.5])) / 5
+        np.testing.assert_allclose(model.world_mean, [centre], rtol=1e-5)
+        np.testing.assert_allclose(model.fields["heat"].value, [centre @ [1, 2, 3]], rtol=1e-4)
+
+
+def test_files_of_several_times(tmp_path, box):
+    mesh = box[0].cast_to_unstructured_grid()
+    for time in range(3):
+        mesh.cell_data["density"] = np.full(60, time + 1.0)
+        mesh.save(tmp_path / f"t{time}.vtu")
+    parts = "".join(f'<DataSet timestep="{10 * time}" part="0" file="t{time}.vtu"/>' for time in range(3))
+    (tmp_path / "a.pvd").write_text(f'<?xml version="1.0"?><VTKFile type="Collection" version="0.1"><Collection>{parts}</Collection></VTKFile>')
+    mass = lambda **at: vog.convert(vog.load(tmp_path / "a.pvd", **at), budget=1).mass
+    with pytest.warns(UserWarning, match="time 0 of 3; at="):
+        assert mass() == pytest.approx(360)
+    assert mass(at={"time": 2}) == mass(at={"time": -1}) == pytest.approx(3 * 360)
+    for at, message in (({"time": 3}, "time 3, expected 0 to 2"), ({"step": 1}, "no axis 'step' beside x, y and z, expected time")):
+        with pytest.raises(vog.Error, match=message):
+            mass(at=at)
+    with pytest.raises(vog.Error, match="no axis 'time' beside x, y and z, expected none"):
+        vog.load(tmp_path / "t0.vtu", at={"time": 0})
+
+
+def test_structured_grids_in_pieces(tmp_path, box):
+    grid = box[0].cast_to_structured_grid()
+    grid.cell_data["density"] = np.arange(60.0)
+    grid.save(tmp_path / "a.vts")
+    (tmp_path / "a.pvts").write_text(
+        '<?xml version="1.0"?><VTKFile type="PStructuredGrid" version="0.1"><PStructuredGrid WholeExtent="0 5 0 4 0 3" GhostLevel="0"><PPoints>'
+        f'<PDataArray type="{"Float64" if grid.points.dtype == float else "Float32"}" Name="Points" NumberOfComponents="3"/></PPoints><PCellData>'
+        '<PDataArray type="Float64" Name="density"/></PCellData><Piece Extent="0 5 0 4 0 3" Source="a.vts"/></PStructuredGrid></VTKFile>')  # fmt: skip
+    np.testing.assert_array_equal(vog.load(tmp_path / "a.pvts").to_numpy(), vog.load(tmp_path / "a.vts").to_numpy())
