@@ -141,7 +141,7 @@ double steepest_gradient(const Scene& scene, const std::string& field);
 ColorScale value_scale(const ValueData& data, std::optional<bool> log = {});
 /// A hundredth of the diagonal of the data's box, to four digits: unit distance of opacities that a user states.
 double rough_unit_distance(const Box& box);
-/// What map_unit_distance is of: the opacity of `middle`, at least 0.1, times `thickness`, rounded to two digits.
+/// map_unit_distance is the opacity of `middle`, at least 0.1, times `thickness`, rounded to two digits.
 struct MapUnit {
     double middle = 0;     ///< median value by mass
     double thickness = 0;  ///< world units
