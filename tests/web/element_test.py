@@ -228,6 +228,8 @@ class Words(ElementTest):
             self.assertTrue(any(text in line for line in lines), lines)
         self.assertFalse(self.value("errors().some(({ fatal }) => fatal)"))
         self.assertEqual(self.value("[view().show, view().tf]"), ["volume", "ember"])
+        self.assertEqual(self.value("[null, undefined, 'x', [1]].map((given) => view().set(given).length)"), [1, 1, 1, 1])
+        self.assertIn("set(1): expected words, as {", self.value("line()"))
         self.assertEqual(self.value("view().set({ tiff: 1, subframes: 'many', show: 'depth' }).length"), 3)
         self.assertIn("tiff: expected one of show, field, tf", self.value("line()"))
         self.value("view().setAttribute('subframes', '1e9')")
@@ -503,10 +505,20 @@ class Failures(ElementTest):
                           ("old/", "page.json: HTTP 404, expected that of vog page, which writes it beside the models"),
                           ("bare.vogz", "bare.vogz: page: nothing, expected that of vog pack MODEL -o FILE.vogz --hierarchy --deflate"),
                           ("plume.ply", "plume.ply: expected a compact file, FILE.vogz, or the folder of a site, which ends in /"),
-                          ("http://", "Invalid URL")):
+                          ("http://", "http://: expected an address such as https://HOST/FILE.vogz"), ("ftp://127.0.0.1/a.vogz", "expected an address of http or https, not of ftp")):
             self.assertIn(part, self.failed(src))
+        # Without an address the element is as one that never had any.
+        self.assertTrue(self.value("(globalThis.ends = [], view().removeAttribute('src'), view().ready.then(() => ends.push('ready'), (error) => ends.push(error.message)), true)"))
+        self.assertEqual(self.value("new Promise((done) => setTimeout(() => done([ends, line()]), 50))"), [[], ""])
         self.value("(view().src = 'plume.vogz', view().ready.then(() => true))")
-        self.assertEqual(self.value("line()"), "")
+        self.assertEqual(self.value("[line(), ends]"), ["", ["ready"]])
+        # A blob, and a name in capitals.
+        self.value("fetch('plume.vogz').then((answer) => answer.blob()).then((blob) => { view().src = URL.createObjectURL(blob); return view().ready; }).then(() => true)")
+        shutil.copy(self.folder / "plume.vogz", self.folder / "PLUME.VOGZ")
+        self.value("(view().src = 'PLUME.VOGZ', view().ready.then(() => true))")
+        self.assertEqual(self.value("view().models[0].name"), "PLUME")
+        self.value("(view().dispose(), true)")
+        self.assertEqual(self.value("view().picture().then(() => '', ({ message }) => message)"), "there is no model")
 
     def test_a_damaged_chunk_leaves_the_page_and_a_coarser_picture(self):
         vog("sample", "cloud", "cloud.vdb", "--size", 64)

@@ -93,10 +93,23 @@ class Links(NodeTest):
             self.assertTrue(self.value("problems.length > 0") or "toString" in text and "tf" in text or text == '{"size": {}}', text)
             self.assertEqual([state["map"], state["clip"], state["planes"]], [expected["map"], None, []], text)
 
+    def test_steps_in_time_keep_the_camera(self):
+        self.state("#camera.eye=3,2,1&camera.look_at=0,0.5,0&camera.orthographic_width=2")
+        moved = self.value("""[true, false].map((steps) => {
+            const [model] = page.models, larger = { ...model, box: { ...model.box, center: [9, 9, 9], radius: 2 * model.box.radius } };
+            return changedState({ ...page, steps, models: [model, larger] }, state, { model: 1 }).camera;
+        })""")
+        self.assertEqual(moved[0], self.value("state.camera"))
+        # Other models are seen from the same place beside their boxes.
+        self.assertAlmostEqual(moved[1]["span"], 2 * moved[0]["span"])
+
     def test_planes_that_are_none_are_refused(self):
         for wrong in ("clip_planes=1,2", "clip_planes=0,0,0,1", "clip_planes=a,b,c,d", f"clip_planes={[[1, 0, 0, 0]] * 11}"):
             self.assertEqual(self.state(f"#{wrong}")["planes"], [])
             self.assertEqual(len(self.value("problems")), 1)
+        self.state("#clip_planes=0,0,0,1&camera.fov_degrees=200")
+        self.assertIn("with a normal other than 0", self.value("problems[0]"))
+        self.assertIn("fov_degrees in (0, 180)", self.value("problems[1]"))
         self.assertEqual(len(self.state(f"#clip_planes={[[1, 0, 0, 0]] * 10}")["planes"]), 10)
         self.assertEqual(self.state("#clip_planes=1,0,0,2", "#clip_planes=")["planes"], [])
 

@@ -17,6 +17,30 @@ FIRST_BYTES = 24576  # of the first request
 BEHIND_ROOT = 65536  # where the coarsest chunk has ended
 
 
+class Addresses(NodeTest):
+    modules = ("stream/source.js",)
+
+    def site(self, address, base="https://here/page/", at="https:"):
+        return self.value(f"(Object.assign(globalThis, {{ document: {{ baseURI: {json.dumps(base)} }}, location: {{ protocol: {json.dumps(at)} }} }}), (() => {{"
+                          f"try {{ return siteOf({json.dumps(address)}); }} catch (error) {{ return error.message; }} }})())")
+
+    def test_addresses_are_those_of_files_and_folders(self):
+        for address, file in (("a/flow.vogz", "https://here/page/a/flow.vogz"), ("FLOW.VOGZ?1", "https://here/page/FLOW.VOGZ?1"), ("blob:https://here/0-1", "blob:https://here/0-1"),
+                              ("file:///a.vogz", "file:///a.vogz")):
+            self.assertEqual(self.site(address), {"file": file})
+        self.assertEqual(self.site("site/"), {"manifest": "manifest.json", "base": "https://here/page/site/"})
+        self.assertEqual(self.site("site/other.json"), {"manifest": "other.json", "base": "https://here/page/site/"})
+        # Where a program's own protocol has the page, that has its models, too.
+        self.assertEqual(self.site("a.vogz", "app://local/page/", "app:"), {"file": "app://local/page/a.vogz"})
+
+    def test_addresses_that_no_page_reads_are_refused_at_once(self):
+        for address in ("data:,x", "ftp://host/flow.vogz", "ftp://host/folder/", "javascript:1", "app://local/a.vogz"):
+            self.assertEqual(self.site(address), f"{address}: expected an address of http or https, not of {address.split(':')[0]}")
+        self.assertEqual(self.site("data:,x", at="data:"), "data:,x: expected an address of http or https, not of data")
+        for address in ("http://[", "http://"):
+            self.assertEqual(self.site(address), f"{address}: expected an address such as https://HOST/FILE.vogz, or one that is relative to the page")
+
+
 class Ranges(NodeSiteTest):
     @classmethod
     def make(cls):
@@ -166,7 +190,7 @@ class Ranges(NodeSiteTest):
         vog("pack", "dust.ply", "-o", "flat.vogz", "--deflate")
         whole = (self.folder / "files/dust.vogz").read_bytes()
         for body, words in ((self.folder / "zstd.vogz", "packed by zstd"), (self.folder / "flat.vogz", "--hierarchy --deflate"),
-                            (b"<!doctype html>", "no compact model"), (b"", "HTTP 416"), (whole[:8] + b"\x02" + whole[9:], "version 2"),
+                            (b"<!doctype html>", "no compact model"), (b"", "an empty file, no compact model: vog pack MODEL"), (whole[:8] + b"\x02" + whole[9:], "version 2"),
                             (whole[:60] + bytes([whole[60] ^ 1]) + whole[61:], "damaged"), (whole[:60], "60 bytes, expected a header"),
                             (whole[:-1], f"{len(whole) - 1} bytes, expected the {len(whole)} of its table"), (404, "HTTP 404")):
             body = body.read_bytes() if hasattr(body, "read_bytes") else body

@@ -2,7 +2,7 @@
 import { fading, reversed, sampled } from './picture/colors.js';
 import { ClipControls } from './clip_controls.js';
 import { Editor, presets } from './editor.js';
-import { choices, label, numberText, shows, ticks } from './quantity.js';
+import { choices, label, numberText, shows, stepOf, ticks } from './quantity.js';
 import { fixedLights, withFirst } from './picture/light.js';
 import { remapped, transferJson } from './picture/transfer.js';
 import { length, mul } from './vectors.js';
@@ -140,8 +140,16 @@ export class Controls {
     });
   }
 
+  /** Texts of a range and their values: an end that is not typed keeps digits that are not shown. */
+  showScale(scale) {
+    this.ends = {};
+    for (const id of ['low', 'high']) {
+      this.ends[find(id).value = numberText(scale[id], stepOf(scale))] = scale[id];
+      find(id).setAttribute('aria-invalid', false);
+    }
+  }
   setScale() {
-    const low = Number(find('low').value), high = Number(find('high').value), log = find('log').checked;
+    const [low, high] = ['low', 'high'].map((id) => find(id).value).map((text) => this.ends[text] ?? (text.trim() ? Number(text) : NaN)), log = find('log').checked;
     const wrong = !(low < high) || (log && !(low > 0));
     for (const id of ['low', 'high']) find(id).setAttribute('aria-invalid', wrong);
     if (wrong) say(log ? 'Range: two numbers above 0, the first below the second' : 'Range: two numbers, the first below the second');
@@ -167,11 +175,7 @@ export class Controls {
     find('exposure-row').hidden = find('fade-label').hidden = !visibility;
     find('scale-row').hidden = visibility || volume;
     find('transfer-row').hidden = !volume;
-    if (!visibility && !volume && document.activeElement !== find('low') && document.activeElement !== find('high')) {
-      find('low').value = numberText(scale.low);
-      find('high').value = numberText(scale.high);
-      for (const id of ['low', 'high']) find(id).setAttribute('aria-invalid', false);
-    }
+    if (!visibility && !volume && document.activeElement !== find('low') && document.activeElement !== find('high')) this.showScale(scale);
     find('log').checked = scale.log;
     const { on, shadows, occlusion, scattering, clipped, lights: [light = { towards: [0, 0, 0] }, ...others] } = state.light, to = mul(1 / Math.max(1, ...light.towards.map(Math.abs)), light.towards);
     for (const [id, checked] of Object.entries({ light: on, shadows, occlusion, 'clip-lights': clipped })) find(id).checked = checked;

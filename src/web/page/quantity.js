@@ -95,12 +95,22 @@ export function automaticTransfer(models, field, map) {
   return overRange(map, low, high, unit, log);
 }
 
-/** A number for people: four digits. */
-export function numberText(value) {
+/** Digits of a number of this size that show differences of `step`: four at least. */
+const digitsOf = (size, step) => (step > 0 ? Math.min(15, Math.max(4, Math.ceil(Math.log10(size / step)) + 1)) : 4);
+
+/**
+ * A number for people.
+ * step  the least difference that its digits show, beyond four; 0: four
+ * most  size of the largest number beside it: all have one form, with or without a power of ten
+ */
+export function numberText(value, step = 0, most = Math.abs(value)) {
   if (!Number.isFinite(value)) return '–';
-  const size = Math.abs(value);
-  return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3).replace(/\.?0+e/, 'e') : `${Number(value.toPrecision(4))}`;
+  const digits = digitsOf(Math.abs(value), step), isPlain = most >= 1e-3 && most < 10 ** Math.max(6, digitsOf(most, step));
+  return value === 0 || isPlain ? `${Number(value.toPrecision(digits))}` : value.toExponential(digits - 1).replace(/\.?0*e\+?/, 'e');
 }
+
+/** The least difference to be shown of numbers on a scale. */
+export const stepOf = ({ low, high }) => 0.01 * (high - low);
 
 /** Ticks of a scale: [[position, text], ...], 1, 2, 2.5 or 5 times a power of ten apart, or decades. */
 export function ticks({ low, high, log }) {
@@ -110,12 +120,12 @@ export function ticks({ low, high, log }) {
     for (let p = Math.ceil(Math.log10(low) - 1e-9); p <= Math.log10(high) + 1e-9; p += every)
       out.push([(p - Math.log10(low)) / decades, numberText(10 ** p)]);
     if (out.length > 1) return out;
-    return [[0, numberText(low)], [1, numberText(high)]];
+    return [low, high].map((end, at) => [at, numberText(end, high - low)]);
   }
   const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
   const step = power * ([1, 2, 2.5, 5, 10].find((m) => m * power >= rough) ?? 10);
   for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; ++n)
-    out.push([(n * step - low) / (high - low), numberText(Number((n * step).toPrecision(12)))]);
+    out.push([(n * step - low) / (high - low), numberText(n * step, 0.1 * step, Math.max(-low, high))]);
   return out;
 }
 

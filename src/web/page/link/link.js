@@ -33,7 +33,8 @@ export function changedState(page, before, part) {
   const state = { ...before, ...part }, { models } = page;
   state.model = Math.max(0, Math.min(state.model, models.length - 1));
   if (state.model !== before.model) {
-    if (!part.camera) state.camera = carriedOver(state.camera, models[before.model].box, models[state.model].box);
+    // Steps in time are seen from one place.
+    if (!part.camera && !page.steps) state.camera = carriedOver(state.camera, models[before.model].box, models[state.model].box);
     if (part.level === undefined) state.level = 0;
   }
   state.level = Math.max(0, Math.min(state.level, models[state.model].levels.length - 1));

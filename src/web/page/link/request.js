@@ -232,12 +232,12 @@ export function partOfRequest(page, state, request, home) {
     const c = Array.isArray(clip) ? clip.flat() : null;
     return areNumbers(c, 6) && [0, 1, 2].every((k) => c[k] < c[k + 3]) ? { clip: { lower: c.slice(0, 3), upper: c.slice(3) } } : null;
   }, { clip: null });
-  take('clip_planes', `at most ${mostOwnPlanes} planes nx,ny,nz,d`, (rows) => {
+  take('clip_planes', `at most ${mostOwnPlanes} planes nx,ny,nz,d with a normal other than 0`, (rows) => {
     const all = areNumbers(rows, 4) ? [rows] : rows;
     const are = Array.isArray(all) && all.length <= mostOwnPlanes && all.every((row) => areNumbers(row, 4) && isDirection(row.slice(0, 3)));
     return are ? { planes: all.map((row) => ({ normal: row.slice(0, 3), offset: row[3], on: true })) } : null;
   }, { planes: [] });
-  take('camera', 'eye, look_at, up, and fov_degrees or orthographic_width', (given) => {
+  take('camera', 'eye, look_at, up, and fov_degrees in (0, 180) or orthographic_width above 0', (given) => {
     if (!isObject(given)) return null;
     const size = sizeOf(request.size), { eye, look_at: at, up, fov_degrees: fov, orthographic_width: width, ...others } = given;
     const camera = { ...(state.camera ?? home), ...Object.fromEntries(Object.entries({ eye, at, up }).filter(([, v]) => v !== undefined)) };

@@ -4,8 +4,7 @@ import { add, dot, isSame, length, mul, normalized, sub } from '../vectors.js';
 import { axesOf } from '../camera.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats } from '../model/fields.js';
-import { extinctionIn } from './transfer.js';
-import { walker } from './colors.js';
+import { extinctionIn, steepOf } from './transfer.js';
 import { planesOf } from './clip.js';
 
 const cells = 64;                           // along the longest edge of the model's box
@@ -38,7 +37,7 @@ function meanExtinctions(mean, variance, third, cell, extinction) {
  * Of each cell the moments of its values, classified as those of a slab.
  * gaussians   {instances, data: of the field}
  * extinction  of extinctionIn
- * factor      of extinction by the length of a gradient, ± the source's per unit of length; null: none
+ * factor      of steepOf
  */
 export function extinctionLattice({ box, center, unit, cutoff, limits, extinction: perDensity }, { instances, data }, extinction, factor = null) {
   const half = mul(1 / unit, box.half), middle = mul(1 / unit, sub(box.center, center)), edge = (2 * Math.max(...half)) / cells || 1;
@@ -276,8 +275,7 @@ export class ReachedLight {
     if (!whole || !(light.shadows || light.occlusion)) return null;
     const cuts = light.clipped ? clip : { box: null, planes: [] };
     const lattice = this.of('lattice', [model, whole.instances, whole.data, transfer, cuts.box, light.clipped && clip.planes], () => {
-      const { gradient } = transfer, steep = gradient && ((slope) => walker(gradient)((slope * source.unit) / model.unit)[1]);
-      const made = extinctionLattice(model, whole, extinctionIn(mean), steep);
+      const made = extinctionLattice(model, whole, extinctionIn(mean), steepOf(transfer, source, model));
       cut(made, model, cuts);
       return made;
     });

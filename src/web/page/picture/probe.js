@@ -4,7 +4,7 @@ import { add, dot, length, mul, sub } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats } from '../model/fields.js';
-import { below, extinctionIn, lightOf } from './transfer.js';
+import { below, extinctionIn, lightOf, steepOf } from './transfer.js';
 import { kept } from './clip.js';
 
 const opaque = 0.5, coarse = 512, fine = 64;  // steps along the ray, then in the one that passes
@@ -21,7 +21,7 @@ export function rayOf(camera, [column, row], width, height) {
 
 /**
  * Adds Gaussians on a ray, by their normal distributions along it: {at, deviation, start, end, mass, value, rate, rest},
- * depths in the page's units, value at depth 0 and its change a depth, rest: deviation of the residual.
+ * depths in the page's units, value at depth 0 and its change a depth, rest: deviation of the residual, gradient: a unit of the model.
  */
 function addHits(hits, model, { instances, data, first, count }, ray, [near, far]) {
   const origin = mul(1 / model.unit, sub(ray.origin, model.center)), d = ray.direction, k2 = model.cutoff ** 2;
@@ -46,16 +46,17 @@ function addHits(hits, model, { instances, data, first, count }, ray, [near, far
     const start = Math.max(at - reach, near / model.unit), end = Math.min(at + reach, far / model.unit);
     if (!(start < end)) continue;
     const change = [data[f + 1], data[f + 2], data[f + 3]];
+    const gradient = axes.reduce((sum, axis, k) => add(sum, mul(change[k] / scale[k], axis)), [0, 0, 0]);
     hits.push({
-      at, deviation, start, end, rest: data[f + 4], value: data[f] + dot(change, a), rate: dot(change, b),
+      gradient, at, deviation, start, end, rest: data[f + 4], value: data[f] + dot(change, a), rate: dot(change, b),
       mass: instances[i + 3] * Math.exp(-0.5 * m2) * Math.sqrt(2 * Math.PI) * deviation,
     });
   }
 }
 
-/** Optical depths of equal steps between two depths: moments of each step, then the extinction of these. */
-function depthsOf(hits, extinction, from, to, steps) {
-  const sums = Array.from({ length: steps }, () => [0, 0, 0]), step = (to - from) / steps;
+/** Optical depths of equal steps between two depths: moments of each step, then the extinction of these and of their mean gradient. */
+function depthsOf(hits, { extinction, steep }, from, to, steps) {
+  const sums = Array.from({ length: steps }, () => [0, 0, 0, 0, 0, 0]), step = (to - from) / steps;
   for (const hit of hits) {
     const [start, end] = [Math.max(hit.start, from), Math.min(hit.end, to)];
     if (!(start < end)) continue;
@@ -63,11 +64,12 @@ function depthsOf(hits, extinction, from, to, steps) {
     for (let n = Math.floor((start - from) / step); n < steps && left < end; ++n) {
       const right = Math.min(from + (n + 1) * step, end), after = below((right - hit.at) / hit.deviation);
       const part = hit.mass * (after - before), value = hit.value + 0.5 * (left + right) * hit.rate;
-      sums[n][0] += part, sums[n][1] += part * value, sums[n][2] += part * (value ** 2 + hit.rest ** 2);
+      [part, part * value, part * (value ** 2 + hit.rest ** 2), ...mul(part, hit.gradient)].forEach((v, k) => { sums[n][k] += v; });
       [before, left] = [after, right];
     }
   }
-  return sums.map(([part, first, second]) => part > 0 && part * extinction(first / part, Math.sqrt(Math.max(second / part - (first / part) ** 2, 0))));
+  return sums.map(([part, first, second, ...gradient]) => part > 0 && part * (steep ? steep(length(gradient) / part) : 1) *
+    extinction(first / part, Math.sqrt(Math.max(second / part - (first / part) ** 2, 0))));
 }
 
 /** Mean of the field at a depth, by the measure. */
@@ -90,19 +92,19 @@ export class Probe {
    * returns {opacity: of the whole ray, value, depth: from the eye in world units; null: nothing is opaque}
    */
   probe(parts, model, ray, { transfer, source, clip }) {
-    if (this.of !== transfer) [this.of, this.extinction] = [transfer, extinctionIn(lightOf(transfer, source))];
+    if (this.of !== transfer) Object.assign(this, { of: transfer, extinction: extinctionIn(lightOf(transfer, source)), steep: steepOf(transfer, source, model) });
     const hits = [];
     for (const part of parts) addHits(hits, model, part, ray, kept(ray, clip));
     if (hits.length === 0) return { opacity: 0, value: null, depth: null };
     // The instances include the extinction of T.
     for (const hit of hits) hit.mass /= model.extinction;
     let from = Math.min(...hits.map(({ start }) => start)), to = Math.max(...hits.map(({ end }) => end));
-    let steps = depthsOf(hits, this.extinction, from, to, coarse);
+    let steps = depthsOf(hits, this, from, to, coarse);
     const opacity = -Math.expm1(-steps.reduce((a, b) => a + b, 0)), wanted = -Math.log1p(-opaque);
     if (opacity < opaque) return { opacity, value: null, depth: null };
     let sum = 0;
     for (const count of [coarse, fine]) {
-      if (count === fine) steps = depthsOf(hits, this.extinction, from, to, fine);
+      if (count === fine) steps = depthsOf(hits, this, from, to, fine);
       let n = 0;
       while (n + 1 < count && sum + steps[n] < wanted) sum += steps[n++];
       const step = (to - from) / count;

@@ -6,6 +6,9 @@ const columns = 1024;     // of the table of finish.frag
 export const mostOpacity = 0.9999;
 const leastShare = 1e-3;  // of the range, below which a measure counts as this share
 
+/** Gradient opacity: factor of extinction by the length of a gradient, ± the source's per unit of the model; null: none. */
+export const steepOf = ({ gradient }, { unit }, model) => (gradient ? (slope) => walker(gradient)((slope * unit) / model.unit)[1] : null);
+
 export const extinctionOf = (opacity, unit) => -Math.log1p(-Math.max(0, Math.min(mostOpacity, opacity))) / unit;
 
 const clamp = (v, low, high) => Math.min(Math.max(v, low), high);

@@ -85,13 +85,17 @@ export class RangeFile {
 
   /** The header: in one request, or two where it is long. */
   async header(how) {
-    let bytes = await this.range(0, firstBytes, how, true);
+    // No range of an empty file can be had.
+    let bytes = await this.range(0, firstBytes, how, true).catch((error) => {
+      if (error.status !== 416) throw error;
+      return this.here;
+    });
     const explained = (message) => new Failure('damaged', message + wayToWrite);
     let start;
     try {
       start = startOf(bytes);
     } catch (error) {
-      throw explained(error instanceof Damaged ? `${bytes.length} bytes that begin no compact model` : error.message);
+      throw explained(error instanceof Damaged ? `${bytes.length > 0 ? `${bytes.length} bytes that begin` : 'an empty file,'} no compact model` : error.message);
     }
     if (start.end > mostHeader) throw explained(`a header of ${start.end} bytes, expected at most ${mostHeader}`);
     if (start.end > bytes.length && bytes.length === firstBytes) {
@@ -117,7 +121,7 @@ export class RangeFile {
   }
   async models(bytes) {
     const { file } = await this.described(bytes);
-    return { models: [{ ...file, name: this.name.replace(/\.vogz$/, '') }], steps: false, about: file.page ?? null };
+    return { models: [{ ...file, name: this.name.replace(/\.vogz$/i, '') }], steps: false, about: file.page ?? null };
   }
 
   async trees(bytes, page) {

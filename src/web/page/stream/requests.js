@@ -33,7 +33,7 @@ export async function answered(url, options, isFirst) {
     throw new Failure('away', 'no connection');
   });
   const busy = answer.status >= 500 || answer.status === 429 || answer.status === 408;
-  if (!answer.ok) throw new Failure(busy ? 'away' : 'missing', `HTTP ${answer.status}`);
+  if (!answer.ok) throw Object.assign(new Failure(busy ? 'away' : 'missing', `HTTP ${answer.status}`), { status: answer.status });
   return answer;
 }
 

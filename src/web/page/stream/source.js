@@ -2,6 +2,23 @@
 import { Failure } from './requests.js';
 import { modelsOf, treesOf } from './rows.js';
 
+/** Site of models by their address: a folder, or a compact file; throws Error with a line for the reader. */
+export function siteOf(address) {
+  const wrong = (expected) => { throw new Error(`${address.slice(0, 60)}: expected ${expected}`); };
+  let url;
+  try {
+    url = new URL(address, document.baseURI);
+  } catch {
+    wrong('an address such as https://HOST/FILE.vogz, or one that is relative to the page');
+  }
+  const { href, protocol, host, pathname } = url, name = pathname.split('/').at(-1), isOfPage = protocol === location.protocol && host !== '';
+  if (!isOfPage && !/^(https?|file|blob):$/.test(protocol)) wrong(`an address of http or https, not of ${protocol.slice(0, -1)}`);
+  if (protocol === 'blob:' || /\.vogz$/i.test(name)) return { file: href };
+  if (!name.includes('.')) return { manifest: 'manifest.json', base: href };
+  if (/\.json$/i.test(name)) return { manifest: name, base: new URL('.', href).href };
+  throw new Error(`${name}: expected a compact file, FILE.vogz, or the folder of a site, which ends in /`);
+}
+
 /** Why a page cannot read from a source, in a line; '': it may. */
 export function cannotRead({ base, server }) {
   if (base.protocol === 'file:')

@@ -3,7 +3,7 @@ import { Decoder } from '../model/decoder.js';
 import { Site, asked, awayLine, placeOf } from '../stream/site.js';
 import { Requests } from '../stream/requests.js';
 import { areNumbers, isObject, parsedJson, refuse } from '../stream/rows.js';
-import { cannotRead } from '../stream/source.js';
+import { cannotRead, siteOf } from '../stream/source.js';
 import { pictureWords, readLink, takeWord, volumeWords } from '../link/link.js';
 import { requestOf } from '../link/request.js';
 import { attachKeys } from '../input.js';
@@ -34,15 +34,6 @@ p.light { background: #fff; color: #1c2126; box-shadow: 0 0 0 1px rgb(0 0 0 / .2
 p[hidden] { display: none; }
 span { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; }
 `;
-
-/** Place of models by their address: a folder, or a compact file. */
-function siteOf(address) {
-  const { href, pathname } = new URL(address, document.baseURI), name = pathname.split('/').at(-1);
-  if (/\.vogz$/.test(name)) return { file: href };
-  if (!name.includes('.')) return { manifest: 'manifest.json', base: href };
-  if (/\.json$/.test(name)) return { manifest: name, base: new URL('.', href).href };
-  throw new Error(`${name}: expected a compact file, FILE.vogz, or the folder of a site, which ends in /`);
-}
 
 /** Throws unless numbers are where a view needs them. */
 function checkNumbers(of, counts, where) {
@@ -96,6 +87,7 @@ export function elementOf(given) {
     #hiding = 0;
     #frame = 0;
     #isFlat = false;
+    #isBegun = false;    // `ready` is of a model
 
     constructor() {
       super();
@@ -164,6 +156,7 @@ export function elementOf(given) {
     /** Sets words of a request, and the view's own. Returns a line for each that cannot be. */
     set(settings) {
       const found = nothing();
+      if (!isObject(settings)) return this.#take({ ...found, problems: [`set(${settings}): expected words, as { show: 'T' }`] });
       for (const [key, value] of Object.entries(settings)) {
         const word = wordOf(key);
         if (word === 'size') found.request.size = value;  // to read the camera by
@@ -207,6 +200,7 @@ export function elementOf(given) {
     async picture() {
       await this.#ready;
       const view = this.#view;
+      if (!view) throw new Error('there is no model');
       await view.settled();
       return new Promise((done, fail) => {
         view.snapshot().toBlob((blob) => (blob ? done(blob) : fail(new Error('the browser has no memory for the picture'))), 'image/png');
@@ -233,9 +227,14 @@ export function elementOf(given) {
 
     #reopen() {
       this.dispose();
-      if (!this.isConnected || !(this.src || this.#files)) return;
-      this.#settle.reject(new Error('another model is opened'));
-      this.#renew();
+      if (!this.isConnected) return;
+      const has = Boolean(this.src || this.#files);
+      if (this.#isBegun) {
+        this.#settle.reject(new Error(has ? 'another model is opened' : 'no model'));
+        this.#renew();
+      }
+      this.#isBegun = has;
+      if (!has) return;
       const { signal } = this.#opening = new AbortController();
       this.#open(signal).catch((error) => { if (!signal.aborted) this.#fail(`The model cannot be read: ${error.message}.`); });
     }

@@ -319,7 +319,7 @@ export class Viewer {
     const { clientWidth, clientHeight } = this.canvas, { page, authored } = this;
     return page.chosenView ? authored : filling(authored, page.models[0].box, clientWidth, clientHeight);
   }
-  get home() { return carriedOver(this.firstView, this.page.models[0].box, this.box); }
+  get home() { return this.page.steps ? this.firstView : carriedOver(this.firstView, this.page.models[0].box, this.box); }
 
   /** Applies settings of readLink; others stay. Returns a line for each that cannot be. */
   apply(settings) {
