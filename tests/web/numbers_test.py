@@ -11,7 +11,7 @@ from streaming_test_case import NodeTest
 
 
 class Texts(NodeTest):
-    modules = ("quantity.js",)
+    modules = ("quantity.js", "controls.js")
 
     def ticks(self, low, high, log=False):
         return self.value(f"ticks({json.dumps({'low': low, 'high': high, 'log': log})})")

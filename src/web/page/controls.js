@@ -2,9 +2,9 @@
 import { fading, reversed, sampled } from './picture/colors.js';
 import { ClipControls } from './clip_controls.js';
 import { Editor, presets } from './editor.js';
-import { choices, label, numberText, shows, stepOf, ticks } from './quantity.js';
+import { choices, label, numberText, shows, stepOf } from './quantity.js';
 import { fixedLights, withFirst } from './picture/light.js';
-import { remapped, transferJson } from './picture/transfer.js';
+import { remapped, transferWord } from './picture/transfer.js';
 import { length, mul } from './vectors.js';
 
 const find = (id) => document.getElementById(id);
@@ -47,6 +47,23 @@ function element(name, text, attributes = {}) {
 
 /** Factor with two significant digits: × 0.25, × 1, × 4. */
 const factorText = (x) => `× ${Number(x.toPrecision(2))}`;
+
+/** Ticks of a scale: [[position, text], ...], 1, 2, 2.5 or 5 times a power of ten apart, or decades. */
+export function ticks({ low, high, log }) {
+  const out = [];
+  if (log) {
+    const decades = Math.log10(high / low), every = Math.max(1, Math.ceil(decades / 5));
+    for (let p = Math.ceil(Math.log10(low) - 1e-9); p <= Math.log10(high) + 1e-9; p += every)
+      out.push([(p - Math.log10(low)) / decades, numberText(10 ** p)]);
+    if (out.length > 1) return out;
+    return [low, high].map((end, at) => [at, numberText(end, high - low)]);
+  }
+  const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 2.5, 5, 10].find((m) => m * power >= rough) ?? 10);
+  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; ++n)
+    out.push([(n * step - low) / (high - low), numberText(n * step, 0.1 * step, Math.max(-low, high))]);
+  return out;
+}
 
 export class Controls {
   /**
@@ -132,7 +149,7 @@ export class Controls {
     on('redo', 'click', () => this.editor.redo());
     on('fit-transfer', 'click', () => { this.editor.remember(); commands.transfer(null); });
     on('save-transfer', 'click', () => {
-      const text = transferJson(this.editor.transfer);
+      const text = JSON.stringify(transferWord(this.editor.transfer), null, 1);
       const link = element('a', '', {
         href: `data:application/json,${encodeURIComponent(text)}`, download: 'transfer.json',
       });

@@ -2,10 +2,11 @@
 import { Levels } from './model/levels.js';
 import { Site } from './stream/site.js';
 import { showStream } from './stream/status.js';
+import { normalized, sub } from './vectors.js';
 import { readLink } from './link/link.js';
 import { attachKeys } from './input.js';
 import { elementOf } from './view/element.js';
-import { dragLight, hasLight, motions, setTransfer, stand } from './view/motions.js';
+import { dragLight, hasLight, motions, setTransfer } from './view/motions.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
 import { Handles, LightHandle } from './handles.js';
@@ -131,6 +132,15 @@ controls = new Controls(page, change, {
   },
   panel: () => change({ panel: !state.panel }), detail: (value) => change(view.source.detailed(value)),
 });
+
+/** The data's vertical, y or z: that of views along the axes, and of the view now. */
+function stand(view, axis) {
+  const { camera, still } = view.state, upright = [0, 1, 2].map((k) => (k === axis ? 1 : 0));
+  view.page.upright = upright;
+  if (still) return view.change({});
+  const along = Math.abs(normalized(sub(camera.at, camera.eye))[axis]) > 0.999;
+  view.move({ ...camera, up: along ? camera.up : upright });
+}
 
 find('z-up').addEventListener('change', () => stand(view, find('z-up').checked ? 2 : 1));
 attachKeys(window, {

@@ -112,23 +112,6 @@ export function numberText(value, step = 0, most = Math.abs(value)) {
 /** The least difference to be shown of numbers on a scale. */
 export const stepOf = ({ low, high }) => 0.01 * (high - low);
 
-/** Ticks of a scale: [[position, text], ...], 1, 2, 2.5 or 5 times a power of ten apart, or decades. */
-export function ticks({ low, high, log }) {
-  const out = [];
-  if (log) {
-    const decades = Math.log10(high / low), every = Math.max(1, Math.ceil(decades / 5));
-    for (let p = Math.ceil(Math.log10(low) - 1e-9); p <= Math.log10(high) + 1e-9; p += every)
-      out.push([(p - Math.log10(low)) / decades, numberText(10 ** p)]);
-    if (out.length > 1) return out;
-    return [low, high].map((end, at) => [at, numberText(end, high - low)]);
-  }
-  const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 2.5, 5, 10].find((m) => m * power >= rough) ?? 10);
-  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; ++n)
-    out.push([(n * step - low) / (high - low), numberText(n * step, 0.1 * step, Math.max(-low, high))]);
-  return out;
-}
-
 /** Words beside the colour bar. */
 export function label(model, { show, field, part }) {
   if (show === 'column') return 'column density';

@@ -4,7 +4,7 @@ import { isUsable } from '../camera.js';
 import { mostOwnPlanes } from '../picture/clip.js';
 import { reversed, walker } from '../picture/colors.js';
 import { fixedLights } from '../picture/light.js';
-import { mostOpacity, overRange } from '../picture/transfer.js';
+import { mostOpacity, overRange, transferWord } from '../picture/transfer.js';
 import { automaticRange, comparable, fieldKey, shownOf, shows } from '../quantity.js';
 import { length, sub } from '../vectors.js';
 
@@ -296,9 +296,7 @@ export function requestOf(page, state, { scale, size, background }) {
   const edited = volume ? state.transfers[state.field] : null;
   request.tf = map.own || state.reverse ? { name: state.reverse ? `${map.name}, reversed` : map.name, colors, ...(opacity?.length && { opacity }) } : map.name;
   if (edited) {
-    const { name, unit, ...points } = edited, values = [...points.colors, ...points.opacity].map(([v]) => v);
-    const [low, high] = [Math.min(...values), Math.max(...values)];
-    request.tf = { name, domain: [low, low < high ? high : low + 1], unit_distance: unit, colors: points.colors, opacity: points.opacity, ...(points.gradient && { gradient_opacity: points.gradient }) };
+    request.tf = transferWord(edited);
   } else if (show === 'T') {
     Object.assign(request, { extinction: model.extinction * state.exposure, blend: state.fade });
   } else {

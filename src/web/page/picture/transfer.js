@@ -129,13 +129,8 @@ export function remapped(transfer, to) {
   return { ...transfer, colors: move(transfer.colors), opacity: move(transfer.opacity) };
 }
 
-/** The JSON that `vog render --tf` reads. */
-export function transferJson(transfer) {
-  const values = [...transfer.colors, ...transfer.opacity].map(([v]) => v);
-  const domain = [Math.min(...values), Math.max(...values)];
-  if (!(domain[1] > domain[0])) domain[1] = domain[0] + 1;
-  return JSON.stringify({
-    name: transfer.name, domain, unit_distance: transfer.unit, colors: transfer.colors, opacity: transfer.opacity,
-    ...(transfer.gradient && { gradient_opacity: transfer.gradient }),
-  }, null, 1);
+/** An edited transfer function as the `tf` of requests and files. */
+export function transferWord({ name, unit, colors, opacity, gradient }) {
+  const values = [...colors, ...opacity].map(([v]) => v), low = Math.min(...values), high = Math.max(...values);
+  return { name, domain: [low, low < high ? high : low + 1], unit_distance: unit, colors, opacity, ...(gradient && { gradient_opacity: gradient }) };
 }

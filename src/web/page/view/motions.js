@@ -1,5 +1,5 @@
 // motions.js: what hands and keys do to a Viewer: motions of its camera, exposure, colours, and the values of a right drag.
-import { mul, normalized, sub } from '../vectors.js';
+import { mul } from '../vectors.js';
 import { fitted, flown, orbited, rolled, seenFrom, withOtherProjection } from '../camera.js';
 import { draggedLights } from '../picture/light.js';
 import { remapped } from '../picture/transfer.js';
@@ -32,15 +32,6 @@ export function motions(view) {
 function nextMap(view, step) {
   const names = view.page.maps.map(({ name }) => name), { length } = names;
   view.change({ map: names[(names.indexOf(view.state.map) + length + step) % length] });
-}
-
-/** The data's vertical, y or z: that of views along the axes, and of the view now. */
-export function stand(view, axis) {
-  const { camera, still } = view.state, upright = [0, 1, 2].map((k) => (k === axis ? 1 : 0));
-  view.page.upright = upright;
-  if (still) return view.change({});
-  const along = Math.abs(normalized(sub(camera.at, camera.eye))[axis]) > 0.999;
-  view.move({ ...camera, up: along ? camera.up : upright });
 }
 
 /** Whether the picture has a light to drag: a volume's that shades surfaces or casts shadows. */
