@@ -136,7 +136,8 @@ TEST_F(request_command, draws_the_picture_of_a_pages_link) {
     must_fail(1, "render cloud.ply -o x.png --request '#map=viridis'", "map: no member");
     must_fail(1, "render cloud.ply -o x.png --request '#show=<b>&tf=x'", "show <b>: expected");
     must_fail(1, "render cloud.ply -o x.png --request 'page.html#'", "no link of a page");
-    must_fail(1, "render cloud.ply -o x.png --request '#show=T&exposure=2'", "extinction=NUMBER works");
+    must_fail(1, "render cloud.ply -o x.png --request '#show=T&exposure=2'",
+              "extinction=NUMBER works");
     must("render cloud.ply -o x.png --size 16 --request '#embed&still&exposure=1'");
     must_fail(1, "render cloud.ply -o x.png --request '#camera.eye=1,2,3'", "look_at");
     must_fail(1, "render cloud.ply -o x.png --request '#camera=3&camera.eye=1,2,3'", "no link");

@@ -167,7 +167,7 @@ class Failures(NodeSiteTest):
 class Rows(NodeTest):
     """Descriptions and cuts, without a picture."""
 
-    modules = ("picture/clip.js", "stream/rows.js", "stream/cut.js", "stream/visibility.js")
+    modules = ("picture/clip.js", "stream/rows.js", "stream/cut.js", "stream/visibility.js", "stream/site.js", "model/gaussians.js")
 
     def row(self, **more):
         part = {"name": "1" * 32, "nodes": 0, "gaussians": 5, "error": 0, "box": [-1, -1, -1, 0, 1, 1], "bytes": [100, 50]}
@@ -182,6 +182,27 @@ class Rows(NodeTest):
             try {{ return treesOf(new TextEncoder().encode({json.dumps(text)}), 'manifest.json', {json.dumps(page)})[0].root.parts.length; }}
             catch (error) {{ return error.message; }}
         }})()""")
+
+    def test_gradient_opacity_hides_nothing(self):
+        """A chunk behind an opaque wall: hidden under its transfer function, and whole where gradients may leave the wall clear."""
+        seen = self.value("""[[], [[0, 0], [1, 1]]].map((gradient) => {
+            // A wall, and a small thing behind it.
+            const box = { center: [0, 0, 0], half: [1, 1, 1] }, side = 32, all = new Float32Array((side * side + 1) * instanceFloats), data = new Float32Array((side * side + 1) * 18);
+            for (let n = 0; n < side * side; ++n)
+              all.set([(2 * (n % side) + 1) / side - 1, (2 * Math.floor(n / side) + 1) / side - 1, 0, 1e4, 0.01, 0.01, 0.01, 1], n * instanceFloats);
+            all.set([0, 0, -0.8, 1e-3, 0.05, 0.05, 0.05, 1], side * side * instanceFloats);
+            const state = { show: 'volume', model: 0, field: 0, camera: {} }, field = { reference: 0, scale: 1, isMeasure: false, background: 0 };
+            const model = { box: { center: [0, 0, 0], half: [1, 1, 1] }, center: [0, 0, 0], unit: 1, extinction: 1, cutoff: 2.25, fields: [field] };
+            const transfer = { colors: [[-1, 1, 1, 1], [1, 1, 1, 1]], opacity: [[-1, 0.99], [1, 0.99]], unit: 0.1, ...(gradient.length && { gradient }) };
+            const site = Object.assign(Object.create(Site.prototype), {
+                view: { state: () => state, clip: () => ({ box: null, planes: [] }) }, page: { models: [model] }, lattice: null,
+                hiding: () => [transfer],
+            });
+            Object.defineProperty(site, 'root', { value: { box, kept: { coarse: { instances: all, fields: new Map([['0.', data]]) } } } });
+            return site.visible({ eye: [0, 0, 5], forward: [0, 0, -1], parallel: true }, { field: '0.' })({ box: { center: [0, 0, -0.8], half: [0.05, 0.05, 0.05] } });
+        })""")
+        self.assertLess(seen[0], 0.5, seen)
+        self.assertEqual(seen[1], 1)
 
     def test_rows_are_read(self):
         self.assertEqual(self.answer(self.row()), 2)

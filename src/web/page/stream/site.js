@@ -150,7 +150,8 @@ export class Site {
     this.isStale = false;
     if (!coarse || hiding.length === 0) return () => 1;
     const volume = state.show === 'volume', data = coarse.fields.get(field);
-    if (volume && !data) return () => 1;
+    // What gradients leave clear hides nothing, and a coarse model has none of the fine one's.
+    if (volume && (!data || hiding[0].gradient)) return () => 1;
     const aspects = [coarse, state.show, ...hiding, data, state.camera, clip.box, clip.planes], now = performance.now();
     const isNow = this.lattice !== null && isSame(aspects, this.lattice.aspects);
     this.isStale = !isNow && this.lattice !== null && now - this.lattice.at < oldMs;
