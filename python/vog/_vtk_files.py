@@ -257,8 +257,22 @@ def _note_ghosts(path: str, out: int, count: int, what: str) -> None:
         warnings.warn(f"{path}: {out} of {count} {what} are ghosts or hidden (vtkGhostType) and do not count", stacklevel=6)
 
 
+def _with_density(path: str, leaves: "List[Any]", density: str) -> "tuple[List[Any], str]":
+    """Blocks that have the density, and its name; others, such as patches of a boundary, are left out."""
+    names = [list({**arrays_of(leaf.GetPointData()), **arrays_of(leaf.GetCellData())}) for leaf in leaves]
+    every = list(dict.fromkeys(name for own in names for name in own))
+    if density == "volume" and density not in every:
+        return leaves, density
+    density = density_of(every, density, path)
+    kept = [leaf for leaf, own in zip(leaves, names) if density in own]
+    if len(kept) < len(leaves):
+        warnings.warn(f"{path}: {len(leaves) - len(kept)} of {len(leaves)} blocks have no {density!r} and are left out", stacklevel=6)
+    return kept, density
+
+
 def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]", thickness: float, clip: bool) -> Any:
     """Cells of all blocks, with density and fields of their points or cells; of one name in both, those of the cells."""
+    leaves, density = _with_density(path, leaves, density)
     mesh = _mesh_of(path, leaves)
     values: "Dict[str, Any]" = {name: {"value": array, "at": "points"} for name, array in mesh.at_points.items()}
     values.update({name: {"value": array, "at": "cells"} for name, array in mesh.at_cells.items()})
@@ -271,8 +285,9 @@ def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]"
 
     if density == "volume" and density not in values:
         main: Any = {"value": np.ones(len(mesh.types)), "at": "cells"}
+    elif density not in values:
+        raise _vog.Error(f"{path}: {density!r} lies at points in some blocks and in cells in others, expected one of them")
     else:
-        density = density_of(list(values), density, path)
         main = values[density]
         main = {**main, "value": np.maximum(main["value"], 0) if clip else main["value"]}
     return _vog.Cells(
