@@ -305,8 +305,7 @@ export function elementOf(given) {
     #apply({ settings, request, problems: before }) {
       const view = this.#view, { background, ...others } = request, isSystem = background === 'system', { width, height } = view?.canvas ?? {};
       // The lens of view.camera is that of the canvas.
-      if (view && request.camera && request.size === undefined) request.size = others.size = [width, height];
-      const problems = view ? view.apply({ settings, request: isSystem ? others : request, problems: before }) : before;
+      const problems = view ? view.apply({ settings, request: { size: [width, height], ...(isSystem ? others : request) }, problems: before }) : before;
       if (view && isSystem) {
         view.page.systemBackground = true;
         view.followSystem();
