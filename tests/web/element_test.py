@@ -128,8 +128,10 @@ class Pictures(ElementTest):
 
     def test_a_view_takes_its_own_words(self):
         """Camera and request of a tall element, words in two orders, and names with hyphens."""
-        self.host('<vog-view src="plume.vogz" subframes="1" show="volume" style="width: 90px; height: 180px" camera.look-at="-1,42,8"></vog-view>')
-        self.value("view().ready.then(() => true)")
+        self.host('<vog-view src="plume.vogz" subframes="1" show="volume" style="width: 90px; height: 180px" camera.look-at="-1,42,8"></vog-view>'
+                  '<vog-view src="plume.vogz" style="width: 180px; height: 90px" camera.orthographic-width="120"></vog-view>')
+        self.value("Promise.all([view().ready, view(1).ready]).then(() => true)")
+        self.assertAlmostEqual(self.value("view(1).camera.orthographic_width"), 120, delta=1e-6)
         self.assertEqual(self.value("view().camera.look_at"), [-1, 42, 8])
         for again in ("view().set({ camera: view().camera })", "view().set(view().request)"):
             before = self.value("view().camera")

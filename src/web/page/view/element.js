@@ -303,9 +303,9 @@ export function elementOf(given) {
     }
 
     #apply({ settings, request, problems: before }) {
-      const view = this.#view, { background, ...others } = request, isSystem = background === 'system', { width, height } = view?.canvas ?? {};
+      const view = this.#view, { background, ...others } = request, isSystem = background === 'system', { clientWidth, clientHeight } = view?.canvas ?? {};
       // The lens of view.camera is that of the canvas.
-      const problems = view ? view.apply({ settings, request: { size: [width, height], ...(isSystem ? others : request) }, problems: before }) : before;
+      const problems = view ? view.apply({ settings, request: { size: [clientWidth, clientHeight], ...(isSystem ? others : request) }, problems: before }) : before;
       if (view && isSystem) {
         view.page.systemBackground = true;
         view.followSystem();
