@@ -38,7 +38,7 @@ class Addresses(NodeTest):
             self.assertEqual(self.site(address), f"{address}: expected an address of http or https, not of {address.split(':')[0]}")
         self.assertEqual(self.site("data:,x", at="data:"), "data:,x: expected an address of http or https, not of data")
         for address in ("http://[", "http://"):
-            self.assertEqual(self.site(address), f"{address}: expected an address such as https://HOST/FILE.vogz, or one that is relative to the page")
+            self.assertEqual(self.site(address), f"{address}: expected an address with https:, or relative to the page")
 
 
 class Ranges(NodeSiteTest):

@@ -9,7 +9,7 @@ export function siteOf(address) {
   try {
     url = new URL(address, document.baseURI);
   } catch {
-    wrong('an address such as https://HOST/FILE.vogz, or one that is relative to the page');
+    wrong('an address with https:, or relative to the page');
   }
   const { href, protocol, host, pathname } = url, name = pathname.split('/').at(-1), isOfPage = protocol === location.protocol && host !== '';
   if (!isOfPage && !/^(https?|file|blob):$/.test(protocol)) wrong(`an address of http or https, not of ${protocol.slice(0, -1)}`);
