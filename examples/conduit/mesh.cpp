@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <list>
 #include <map>
 #include <utility>
@@ -37,11 +36,10 @@ const Node& need(const Node& parent, const std::string& path, const std::string&
 
 std::vector<Domain> domains(const Node& mesh, const std::string& density) {
     std::vector<const Node*> nodes;
-    if (mesh.has_child("topologies")) nodes.push_back(&mesh);
-    for (auto child = mesh.children(); nodes.empty() || nodes.front() != &mesh;) {
-        if (!child.has_next()) break;
-        nodes.push_back(&child.next());
-    }
+    if (mesh.has_child("topologies"))
+        nodes.push_back(&mesh);
+    else
+        for (auto child = mesh.children(); child.has_next();) nodes.push_back(&child.next());
     std::vector<Domain> found;
     for (const Node* node : nodes) {
         const Node& field = need(*node, "fields/" + density, "field '" + density + "'");
