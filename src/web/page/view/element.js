@@ -87,7 +87,7 @@ export function elementOf(given) {
     #hiding = 0;
     #frame = 0;
     #isFlat = false;
-    #isBegun = false;    // `ready` is of a model
+    #isBegun = false;    // whether `ready` waits for a model, or has one
 
     constructor() {
       super();
