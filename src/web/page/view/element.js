@@ -123,7 +123,7 @@ export function elementOf(given) {
       if (name === 'label') return this.#describe();
       const word = wordOf(name), found = nothing();
       if (word.startsWith('camera')) {
-        // Of an attribute that goes the first view's is left.
+        // What the removed attribute said is the first view's again.
         if (value === null) this.#take({ ...nothing(), request: { camera: null } });
         found.request.camera = this.#cameraOfAttributes();
       }
