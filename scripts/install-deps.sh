@@ -19,8 +19,8 @@ packages=(
     libembree-dev
     # single formats, without which vog refuses their files: TIFF, FITS, HDF5
     libtiff-dev libcfitsio-dev libhdf5-dev
-    # vog serve
-    libcpp-httplib-dev
+    # vog serve; scripts of vog page
+    libcpp-httplib-dev esbuild
 )
 all_packages=(
     # window: OpenGL, also without a display or a graphics card

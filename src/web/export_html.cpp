@@ -309,7 +309,6 @@ HtmlReport write_page(const std::filesystem::path& file, const HtmlOptions& opti
     for (const auto& [name, text] : shader_texts())
         shaders += fmt::format("<script type=\"text/plain\" data-shader=\"{}\">\n{}</script>\n",
                                name, text);
-    const bool streams = page.contains("site"), ranges = streams && page["site"].contains("file");
     HtmlReport report;
     report.extinction = page.at("models").front().at("extinction");
     report.viewer_bytes = data.size();
@@ -318,13 +317,12 @@ HtmlReport write_page(const std::filesystem::path& file, const HtmlOptions& opti
                                 {"description", escaped(options.description)},
                                 {"ground", ground_of(options.shading.background)},
                                 {"connect", connect.empty() ? "" : " connect-src " + connect + ";"},
-                                {"style", page_style()},
+                                {"style", web_file("page.css")},
                                 {"page", script_json(page)},
                                 {"shaders", shaders},
                                 {"models", std::move(data)},
-                                {"reader", reader_script()},
-                                {"worker", worker_script()},
-                                {"script", page_script(streams, ranges)}});
+                                {"worker", web_file("page_worker.js")},
+                                {"script", web_file("main.js")}});
     report.bytes = text.size();
     report.viewer_bytes = report.bytes - report.viewer_bytes;
     write_file(file, [&](std::ofstream& out) { out << text; });

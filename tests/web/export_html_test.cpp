@@ -52,7 +52,7 @@ TEST(export_html, a_hundred_thousand_random_gaussians_with_levels_stay_below_3_m
     EXPECT_EQ(report.bytes, std::filesystem::file_size(dir / "page.html"));
     EXPECT_EQ(report.gaussians, 100000u);
     EXPECT_LT(report.bytes - report.viewer_bytes, 2'950'000u);
-    EXPECT_LT(report.viewer_bytes, 242'000u);
+    EXPECT_LT(report.viewer_bytes, 236'000u);
 }
 
 TEST(export_html, words_never_become_markup) {

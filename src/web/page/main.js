@@ -23,11 +23,10 @@ find('loading').remove();
 page.textOf = (model, level) => find(`model-${model}-${level}`).textContent;
 const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)').matches;
 customElements.define('vog-view', elementOf({ shaders: sources, worker: () => new Worker(URL.createObjectURL(
-  new Blob([find('reader').textContent, find('worker').textContent, 'answering();'], { type: 'text/javascript' }))) }));
+  new Blob([find('worker').textContent], { type: 'text/javascript' }))) }));
 
 let controls = null, player = null, readout = null, outer = null;
 const view = find('picture').around(page, {
-  // Pages without a site have no modules of stream/.
   Models: page.site ? Site : Levels, panel: !narrow(),
   tell: {
     say, fail: giveUp, resized: showOverlay, playing: () => player?.playing, shown: showControls,

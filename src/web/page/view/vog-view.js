@@ -1,4 +1,4 @@
-// vog-view.js: the end of the module of this name, behind all others and `shaders` and `defaults`, which src/web/modules.cpp writes.
+// vog-view.js: the element for other people's pages. The module's own lines follow `shaders` and `defaults` (view_module() of export_html.h).
 import { elementOf } from './element.js';
 import { answering } from '../model/worker.js';
 
