@@ -35,6 +35,8 @@ BEFORE = """globalThis.all = false;
 const enable = WebGL2RenderingContext.prototype.enable;
 WebGL2RenderingContext.prototype.enable = function (what) { if (!(all && what === this.DEPTH_TEST)) enable.call(this, what); };"""
 
+TILE = 16  # pixels a side, of tiles.glsl
+
 # The camera turns about its up axis.
 SCRIPT = """
 const light = vog.state.light, slabs = [...vog.page.slabs], count = document.getElementById('count');
@@ -123,9 +125,22 @@ def work(model, camera, size, slabs, per_pass, floats):
     low, high = (depth - reach)[inside].min(), (depth + reach)[inside].max()
     edges = [np.clip(np.floor((end - low) / (high - low) * slabs / per_pass), 0, slabs / per_pass - 1) for end in (depth - reach, depth + reach)]
     integrals, passes = (pixels * (edges[1] - edges[0] + 1))[inside].sum(), math.ceil(slabs / per_pass)
+    # Pixels that each pass classifies: those of tiles above which Gaussians meet its slabs.
+    tiles = [math.ceil(n / TILE) for n in size]
+    half_size = model["cutoff"] * np.sqrt(np.stack([xx, yy], -1))
+    center = np.stack([0.5 * size[0] + per_slope * mean[:, 0] / depth, 0.5 * size[1] - per_slope * mean[:, 1] / depth], -1)
+    first = np.clip(np.floor((center - half_size) / TILE), 0, tiles).astype(int)
+    last = np.clip(np.floor((center + half_size) / TILE) + 1, 0, tiles).astype(int)
+    nearest, farthest = np.full(tiles, np.inf), np.full(tiles, -np.inf)
+    for n in np.flatnonzero(inside):
+        above = tuple(slice(*ends) for ends in zip(first[n], last[n]))
+        np.minimum(nearest[above], depth[n] - reach[n], out=nearest[above])
+        np.maximum(farthest[above], depth[n] + reach[n], out=farthest[above])
+    met = [np.floor((end[farthest > 0] - low) / (high - low) * slabs / per_pass) for end in (nearest, farthest)]
+    needed = (np.clip(met[1], 0, passes - 1) - np.clip(met[0], 0, passes - 1) + 1).sum() * TILE * TILE
     images = 16 * 4  # bytes of a pixel in the four images of a pass
     # Blending reads and writes; each pass clears its images, and what classifies it reads them and those before.
-    return passes * len(mean), integrals, all_pixels * slabs, integrals * 2 * images + passes * all_pixels * (images + 2 * images + 2 * 16)
+    return passes * len(mean), integrals, needed * per_pass, integrals * 2 * images + passes * all_pixels * images + needed * (2 * images + 2 * 16)
 
 
 def read_model(path):

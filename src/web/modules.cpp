@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "erf.glsl",     "chord.glsl",
                                     "field.frag",  "slab.frag",   "ranges.frag",  "expected.glsl",
                                     "table.frag",  "finish.frag", "largest.frag", "copy.frag",
-                                    "screen.vert", "shade.frag"};
+                                    "screen.vert", "shade.frag",  "tiles.glsl"};
 
 /// A shader without comments and indentation.
 std::string without_comments(std::string_view text) {

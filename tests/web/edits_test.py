@@ -152,7 +152,7 @@ class Motion(QuantityTest):
             step = 0.01 * hides  # another view draws all anew
             self.change(camera={**camera, "eye": [4 + step, 60, 4], "at": [40 + step, 60, 30]})
             self.value("new Promise((done) => setTimeout(done, 20))")
-            drawn[hides] = self.value("queries.slice(1).map((result) => result())")  # behind the one of the range of depths
+            drawn[hides] = self.value("queries.slice(2).map((result) => result())")  # behind those of the ranges of depths
             self.picture(f"{hides}.png")
         self.assertEqual([len(passes) for passes in drawn.values()], [8, 8])
         self.assertTrue(all(drawn[False][:6]), drawn)

@@ -114,7 +114,7 @@ void GlProgram::set(const char* name, const Rgba& c) const {
 void GlProgram::set(const char* name, std::span<const std::array<float, 4>> values) const {
     glUniform4fv(place(name), static_cast<GLsizei>(values.size()), values.front().data());
 }
-void GlProgram::sample(std::initializer_list<std::pair<const char*, GLuint>> textures) const {
+void GlProgram::sample(const std::vector<std::pair<const char*, GLuint>>& textures) const {
     int unit = 0;
     for (const auto& [name, texture] : textures) {
         glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));

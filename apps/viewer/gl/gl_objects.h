@@ -5,7 +5,6 @@
 #include <epoxy/gl.h>
 
 #include <array>
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <utility>
@@ -75,7 +74,7 @@ class GlProgram {
     /// Elements of an array of vec4.
     void set(const char* name, std::span<const std::array<float, 4>> values) const;
     /// Binds textures to samplers, from unit 0 on.
-    void sample(std::initializer_list<std::pair<const char*, GLuint>> textures) const;
+    void sample(const std::vector<std::pair<const char*, GLuint>>& textures) const;
 
   private:
     GLint place(const char* name) const;

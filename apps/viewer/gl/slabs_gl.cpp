@@ -37,7 +37,9 @@ int passes_of(const GlVolume& volume) {
 float as_float(double v) { return static_cast<float>(v); }
 
 const std::vector<std::string> kSlabShaders{"erf.glsl", "chord.glsl", "slab.frag"};
-const std::vector<std::string> kFinishShaders{"erf.glsl", "expected.glsl", "finish.frag"};
+const std::vector<std::string> kFinishShaders{"erf.glsl", "expected.glsl", "tiles.glsl",
+                                              "finish.frag"};
+constexpr int kTile = 16;  // pixels a side, of tiles.glsl
 
 }  // namespace
 
@@ -62,10 +64,11 @@ bool KeptSlabs::require(int targets, int width, int rows) {
 }
 
 GlSlabs::GlSlabs()
-    : range_program_("splat.vert", {"ranges.frag"}, "RANGES"),
+    : range_programs_{{"splat.vert", {"ranges.frag"}, "RANGES"},
+                      {"splat.vert", {"ranges.frag"}, "TILES"}},
       copy_program_("screen.vert", {"copy.frag"}),
       mean_program_("splat.vert", kSlabShaders, "MEANS"),
-      largest_program_("screen.vert", {"largest.frag"}),
+      largest_program_("screen.vert", {"tiles.glsl", "largest.frag"}),
       copy_means_program_("screen.vert", {"copy.frag"}, "MEANS"),
       slab_programs_{{"splat.vert", kSlabShaders, "SLABS"}, {"splat.vert", kSlabShaders, "LIT"}},
       finish_programs_{{"screen.vert", kFinishShaders}, {"screen.vert", kFinishShaders, "LIT"}},
@@ -88,7 +91,8 @@ void GlSlabs::require_targets(const GlVolume& volume, int width, int height) {
         require(before_, GL_RGBA32F, width, rows, 4);
     else
         require(densest_, GL_R32F, width, rows, 1);
-    require(range_, GL_RG32F, 1, 1, 1);
+    require(ranges_[0], GL_RG32F, 1, 1, 1);
+    require(ranges_[1], GL_RG32F, (width + kTile - 1) / kTile, (height + kTile - 1) / kTile, 1);
 }
 
 void GlSlabs::set_light(const GlVolume& volume) {
@@ -147,13 +151,33 @@ void GlSlabs::draw_screen() const {
     glBindVertexArray(0);
 }
 
-void GlSlabs::draw_range(const GlVolume& volume, const CameraFrame& frame, Jitter jitter) {
-    range_->bind();
+void GlSlabs::draw_ranges(const GlVolume& volume, const CameraFrame& frame, Jitter jitter) {
     glDisable(GL_SCISSOR_TEST);
-    constexpr std::array<float, 4> kNothing{-60000, -60000, 0, 0};
-    glClearBufferfv(GL_COLOR, 0, kNothing.data());
-    set_view(range_program_, *volume.model, frame, jitter);
-    draw_gaussians(volume.model->vertex_array(), volume.model->size(), GL_MAX);
+    for (int n = 0; n < 2; ++n) {
+        ranges_[n]->bind();
+        constexpr std::array<float, 4> kNothing{-60000, -60000, 0, 0};
+        glClearBufferfv(GL_COLOR, 0, kNothing.data());
+        set_view(range_programs_[n], *volume.model, frame, jitter);
+        draw_gaussians(volume.model->vertex_array(), volume.model->size(), GL_MAX);
+    }
+}
+
+void GlSlabs::gather(const GlProgram& program, const GlVolume& volume, int first, int slab,
+                     const GlTarget& layers,
+                     std::vector<std::pair<const char*, GLuint>> images) const {
+    program.use();
+    program.set("slabs", as_float(volume.slabs()));
+    program.set("first_slab", as_float(slab));
+    program.set("first_row", as_float(first));
+    program.set("central", 0.0f);
+    constexpr const char* kNames[] = {"layer_0", "layer_1", "layer_2", "layer_3"};
+    for (std::size_t n = 0; n < 4; ++n) images.emplace_back(kNames[n], layers.texture(n));
+    images.emplace_back("ranges", ranges_[0]->texture());
+    images.emplace_back("tiles", ranges_[1]->texture());
+    program.sample(images);
+    glEnable(GL_BLEND);
+    draw_screen();
+    glDisable(GL_BLEND);
 }
 
 void GlSlabs::draw_layers(const GlVolume& volume, const GlProgram& program, int in_pass,
@@ -163,7 +187,7 @@ void GlSlabs::draw_layers(const GlVolume& volume, const GlProgram& program, int 
     if (slab >= volume.slabs()) return;
     glViewport(0, -first, frame.width, frame.height);
     set_view(program, *volume.model, frame, jitter, volume.picture.request.options.clip);
-    program.sample({{"ranges", range_->texture()}});
+    program.sample({{"ranges", ranges_[0]->texture()}});
     program.set("slabs", as_float(volume.slabs()));
     program.set("first_slab", as_float(slab));
     program.set("layers", as_float(in_pass));
@@ -183,27 +207,19 @@ void GlSlabs::draw_largest(const GlVolume& volume, const CameraFrame& frame, Jit
             draw_layers(volume, mean_program_, kMeanLayers, frame, jitter, first, slab, *layers_);
             (means ? strip_ : densest_)->bind();
             program.use();
-            program.sample({{"layer_0", layers_->texture(0)},
-                            {"layer_1", layers_->texture(1)},
-                            {"layer_2", layers_->texture(2)},
-                            {"layer_3", layers_->texture(3)},
-                            {"densest", means ? densest_->texture() : layers_->texture(0)},
-                            {"ranges", range_->texture()}});
             program.set("of_means", means ? 1 : 0);
             program.set("least_share", as_float(kLeastDensityShare));
             // By densities times the model's unit.
             const double most = by_value::most_share_per_density(*volume.values);
             program.set("most", std::isfinite(most) ? as_float(most / volume.model->unit()) : 0.0f);
-            program.set("slabs", as_float(volume.slabs()));
-            glEnable(GL_BLEND);
             glBlendEquation(GL_MAX);
-            draw_screen();
-            glDisable(GL_BLEND);
+            gather(program, volume, first, slab, *layers_,
+                   {{"densest", means ? densest_->texture() : layers_->texture(0)}});
         }
 }
 
 void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const CameraFrame& frame,
-                         Jitter jitter, int first) const {
+                         Jitter jitter) const {
     const auto f = as_float;
     program.use();
     const device::MeanLight light = light_.mean_light(0, volume.model->unit());
@@ -219,10 +235,8 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     program.set("unit", 1.0f);
     program.set("parts_per_cell", as_float(volume.slabs()) / device::kDepthCells);
     program.set("rounding", kRounding);
-    program.set("central", 0.0f);
     program.set("size_px", f(frame.width), f(frame.height));
     program.set("jitter_px", f(jitter.x), f(jitter.y));
-    program.set("first_row", f(first));
     const double lengths = frame.orthographic ? volume.model->unit() : 1;
     program.set("pixels_per_unit", f(lengths * frame.pixels_per_unit));
     program.set("parallel", frame.orthographic ? 1.0f : 0.0f);
@@ -244,7 +258,6 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
     program.set("reached", kReachedUnit);
     program.set("reaches", lattice.any() ? 1.0f : 0.0f);
     if (!lattice.any()) return;
-    program.set("slabs", f(volume.slabs()));
     const auto place = [&](Vec3d v) {
         for (int axis = 0; axis < 3; ++axis) v[axis] *= lattice.per_edge / lattice.size[axis];
         return v;
@@ -287,24 +300,16 @@ void GlSlabs::draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitte
             draw_layers(volume, slab_programs_[lit], in_pass, frame, jitter, first, slab, layers);
         // Under what is in front.
         strip_->bind();
-        set_finish(finish, volume, frame, jitter, first);
-        finish.set("first_slab", as_float((pass - 1) * in_pass));
-        finish.sample({{"before_0", before->texture(0)},
-                       {"before_1", before->texture(1)},
-                       {"before_2", before->texture(2)},
-                       {"before_3", before->texture(3)},
-                       {"layer_0", layers.texture(0)},
-                       {"layer_1", layers.texture(1)},
-                       {"layer_2", layers.texture(2)},
-                       {"layer_3", layers.texture(3)},
-                       {"table", table_},
-                       {"pieces", pieces_},
-                       {"ranges", range_->texture()}});
-        glEnable(GL_BLEND);
+        set_finish(finish, volume, frame, jitter);
         glBlendEquation(GL_FUNC_ADD);
         glBlendFunc(GL_ONE_MINUS_DST_ALPHA, GL_ONE);
-        draw_screen();
-        glDisable(GL_BLEND);
+        gather(finish, volume, first, (pass - 1) * in_pass, layers,
+               {{"before_0", before->texture(0)},
+                {"before_1", before->texture(1)},
+                {"before_2", before->texture(2)},
+                {"before_3", before->texture(3)},
+                {"table", table_},
+                {"pieces", pieces_}});
         before = &layers;
     }
 }
@@ -324,8 +329,7 @@ void GlSlabs::add(const GlVolume& volume, const Camera& camera, Jitter jitter,
         (kept && !kept->require(strips * passes_of(volume), frame.width, rows)))
         kept = nullptr;
     const bool draws = !(kept && kept->has(volume));
-    // Light is looked up at the depths of the slabs.
-    if (draws || (*reached_).lattice().any()) draw_range(volume, frame, jitter);
+    draw_ranges(volume, frame, jitter);
     if (kept && draws) {
         ++kept->drawn_;
         kept->of_.emplace(volume.field->id(), volume.picture);

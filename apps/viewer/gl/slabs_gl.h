@@ -65,22 +65,27 @@ class GlSlabs {
                      const CameraFrame& frame, Jitter jitter, int first, int slab,
                      const GlTarget& layers) const;
     void draw_largest(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first);
-    void draw_range(const GlVolume& volume, const CameraFrame& frame, Jitter jitter);
+    /// Depths of all Gaussians, and of those above each tile of tiles.glsl.
+    void draw_ranges(const GlVolume& volume, const CameraFrame& frame, Jitter jitter);
+    /// Draws the pixels of slabs into the bound target, blended; images: what the program has beside them.
+    void gather(const GlProgram& program, const GlVolume& volume, int first, int slab,
+                const GlTarget& layers, std::vector<std::pair<const char*, GLuint>> images) const;
     /// kept  the strip's sums, a target a pass; null: they are not kept
     /// draws  whether to draw them
     void draw_strip(const GlVolume& volume, const CameraFrame& frame, Jitter jitter, int first,
                     const GlTarget* kept, bool draws);
     void set_finish(const GlProgram& program, const GlVolume& volume, const CameraFrame& frame,
-                    Jitter jitter, int first) const;
+                    Jitter jitter) const;
     /// Light that reaches the data.
     void set_reached(const GlVolume& volume, const CameraFrame& frame);
     void draw_screen() const;
 
-    GlProgram range_program_, copy_program_, mean_program_, largest_program_, copy_means_program_;
+    GlProgram range_programs_[2], copy_program_, mean_program_, largest_program_,
+        copy_means_program_;
     GlProgram slab_programs_[2], finish_programs_[2];  ///< without and with light
     GlVertexArray no_vertices_;
     GlTexture pieces_, table_, reached_texture_;
-    std::optional<GlTarget> layers_, before_, range_, strip_, densest_;
+    std::optional<GlTarget> layers_, before_, ranges_[2], strip_, densest_;
     std::uint64_t lit_field_ = 0;  ///< field and transfer function of the light
     std::optional<ValueTransfer> lit_transfer_;
     by_value::LightOfMoments light_;

@@ -1,6 +1,6 @@
 // finish.frag: slabs of moments classified and composited front to back (render/device/value_moments.h): premultiplied colour,
 // and alpha; blended under what is in front of them. From the last slab of the pass before to the last but one of this pass:
-// surfaces are found between a slab and its neighbours. LIT: two slabs a pass, with gradients. Follows erf.glsl, expected.glsl.
+// surfaces are found between a slab and its neighbours. LIT: two slabs a pass, with gradients. Follows erf.glsl, expected.glsl, tiles.glsl.
 in vec2 position;
 
 uniform highp sampler2D before_0, before_1, before_2, before_3, layer_0, layer_1, layer_2, layer_3;
@@ -10,16 +10,13 @@ uniform vec4 columns;           // MeanLight: low, high, per_range, per_part
 uniform float unit;             // factor of the light
 uniform float parts_per_cell;   // of value_moments.h
 uniform float rounding;         // of sums
-uniform float central;          // 1: of slab.frag
 uniform vec2 size_px, jitter_px;
-uniform float first_row;        // of the image, in the target's row 0
 uniform float pixels_per_unit;
 uniform float parallel;         // 1: parallel rays
 uniform float asymmetry;        // of the phase function
 uniform vec4 lighting;          // ambient, diffuse, specular, power; no surfaces: power 0
 uniform vec4 lights[8];         // along right, up and forward; 0: the eye; strength
 uniform int light_count;        // 0: all light is ambient
-uniform highp sampler2D ranges; // of all depths: minus the least, the largest
 uniform highp sampler3D reached;  // shares of the light from a direction and of ambient light that arrive; opaqueness; light after light along z
 uniform float reaches;          // 1: `reached` is there; 0: all light arrives
 uniform vec4 reach_light[8];    // xyz: change of its coordinates towards each light
@@ -27,7 +24,7 @@ uniform vec3 reach_middle;      // the mean of these
 uniform vec2 reach_layers;      // lights in the texture, half a cell along z
 uniform vec3 reach_eye, reach_right, reach_up, reach_forward;  // its coordinates at the eye, and their change along the camera's axes
 uniform float reach_edge;       // of a cell
-uniform float slabs, first_slab;  // first_slab: of before_0
+uniform float first_slab;       // of before_0
 uniform vec4 gradient_part[7];  // GradientFactor: start, width and slope of each
 uniform vec4 gradient;          // its number of parts, its first factor, its share by a gradient
 
@@ -200,6 +197,7 @@ void add_slab(float slab, Moments own, Moments before, Moments behind, vec3 alon
 }
 
 void main() {
+    if (!needs(first_slab + float(kSlabs - 1), first_slab + float(2 * kSlabs - 1))) discard;
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec2 slope = (gl_FragCoord.xy + vec2(0.0, first_row) - 0.5 * size_px + jitter_px) / pixels_per_unit * vec2(1.0, -1.0);
     vec3 along = vec3((1.0 - parallel) * slope, 1.0);

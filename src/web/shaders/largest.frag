@@ -1,12 +1,11 @@
 // largest.frag: largest mean of a field over eight slabs of a pixel, kept by blending (render/splat/volume/slab_maximum.cpp):
-// 1, mean. Before that the largest of the slabs' densities.
+// 1, mean. Before that the largest of the slabs' densities. Follows tiles.glsl.
 uniform highp sampler2D layer_0, layer_1, layer_2, layer_3;
 uniform highp sampler2D densest;  // the largest density
-uniform highp sampler2D ranges;   // of all depths: minus the least, the largest
 uniform int of_means;             // 0: densities
 uniform float least_share;        // of the largest density, below which a mean does not count
 uniform float most;               // largest share of the field's range for a density of 1; 0: any
-uniform float slabs;
+uniform float first_slab;
 
 layout(location = 0) out vec4 color;
 
@@ -27,6 +26,7 @@ void add(vec4 two) {
 }
 
 void main() {
+    if (!needs(first_slab, first_slab + 8.0)) discard;
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec2 range = texelFetch(ranges, ivec2(0), 0).xy;
     per_thickness = slabs / (range.x + range.y);  // of a density's part, a unit of depth

@@ -6,8 +6,13 @@
 //   SLABS, LIT     moments of a field in depth slabs, with its gradient: slab.frag
 //   MEANS          densities and means of a field in depth slabs: slab.frag
 //   RANGES         the range of all depths: ranges.frag
+//   TILES          that of each tile of tiles.glsl
 #if defined(MEANS) || defined(LIT)
 #define SLABS
+#endif
+#ifdef TILES
+#define RANGES
+const float kTile = 16.0;
 #endif
 layout(location = 0) in vec4 mean_density;  // mean relative to the model's centre; peak density
 layout(location = 1) in vec3 scale;         // standard deviations
@@ -283,6 +288,10 @@ void main() {
 #ifdef RANGES
     range = vec2(-depths.x, depths.y);
     gl_Position = vec4(corner, 0.0, 1.0);  // one pixel
+#ifdef TILES
+    vec2 in_tiles = floor(mix(first_px, last_px + kTile, 0.5 * corner + 0.5) / kTile);
+    gl_Position.xy = 2.0 * in_tiles / ceil(size_px / kTile) - 1.0;
+#endif
 #else
 #ifdef SLABS
     // A Gaussian beside this pass's slabs.

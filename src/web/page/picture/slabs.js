@@ -16,7 +16,8 @@ const opaque = 1 - 2 ** -14;    // of a pixel behind which nothing is drawn: a s
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
 const reachedUnit = 15;         // of textures
 const mostKept = 2 ** 29;       // bytes of kept sums: 32 slabs of a million pixels
-const finishShaders = ['erf.glsl', 'expected.glsl', 'finish.frag'], tableShaders = ['erf.glsl', 'expected.glsl', 'table.frag'];
+const tile = 16;                // pixels a side, of tiles.glsl
+const finishShaders = ['erf.glsl', 'expected.glsl', 'tiles.glsl', 'finish.frag'], tableShaders = ['erf.glsl', 'expected.glsl', 'table.frag'];
 
 const wordOf = ({ light, transfer }) => (light.on || transfer?.gradient ? 'LIT' : 'SLABS');
 const passesOf = (what) => Math.ceil(what.slabs / slabsOf[wordOf(what)]);
@@ -32,7 +33,8 @@ export class Slabs {
     this.kept = { images: [], size: '', of: null };  // of all passes of the first sub-frame; of: name of the sums, null: none
     this.room = mostKept;
     this.ranges = texture();
-    this.rangesOf = null;  // name of their sums
+    this.tiles = texture();
+    this.rangesOf = null;  // name of their sums, and sub-frame
     this.reached = new ReachedLight(gl, reachedUnit);
     this.lattice = null;   // of the reached light
     this.strip = texture();
@@ -53,6 +55,9 @@ export class Slabs {
     const { renderer } = this;
     for (const texture of [...this.ring.flat(), this.strip]) renderer.allocate(texture, 4, width, rows);
     renderer.allocate(this.densest, 1, width, rows);
+    this.inTiles = [width, height].map((n) => Math.ceil(n / tile));
+    renderer.allocate(this.tiles, 2, ...this.inTiles);
+    this.rangesOf = null;
     const { gl } = renderer;
     gl.bindRenderbuffer(gl.RENDERBUFFER, this.hidden);
     gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT16, width, rows);
@@ -139,7 +144,7 @@ export class Slabs {
         this.setLight(what.transfer, what.source);
         this.lattice = this.reached.update(model, this.light, { ...what, camera });
       }
-      if (!this.isDrawn(what) || this.rangesOf !== what.of) this.drawRange(parts, model, camera, what.of);
+      this.drawRanges(parts, model, camera, what);
       const [left, top, right, bottom] = coveredBy(parts, model, camera, [width, height], renderer.perUnit(model, camera));
       try {
         gl.enable(gl.SCISSOR_TEST);
@@ -160,14 +165,18 @@ export class Slabs {
     ++renderer.sums.subframes;
   }
 
-  drawRange(parts, model, camera, of) {
-    const { renderer } = this, { gl } = renderer;
+  /** Depths of all Gaussians, and of those above each tile. */
+  drawRanges(parts, model, camera, what) {
+    const { renderer } = this, { gl } = renderer, of = `${what.of} ${renderer.subframes}`;
+    if (this.isDrawn(what) && this.rangesOf === of) return;
     this.rangesOf = of;
-    renderer.target(this.into.ranges, [this.ranges]);
-    gl.viewport(0, 0, 1, 1);
-    gl.clearBufferfv(gl.COLOR, 0, [-60000, -60000, 0, 0]);  // finite in half floats, too
-    renderer.setView(renderer.program('splat.vert', ['ranges.frag'], 'RANGES'), model, camera, null);
-    for (const one of parts) renderer.draw(renderer.instancesOf(one, null, ''), one.count, gl.MAX);
+    for (const [image, size, word] of [[this.ranges, [1, 1], 'RANGES'], [this.tiles, this.inTiles, 'TILES']]) {
+      renderer.target(this.into.ranges, [image]);
+      gl.viewport(0, 0, ...size);
+      gl.clearBufferfv(gl.COLOR, 0, [-60000, -60000, 0, 0]);  // finite in half floats, too
+      renderer.setView(renderer.program('splat.vert', ['ranges.frag'], word), model, camera, null);
+      for (const one of parts) renderer.draw(renderer.instancesOf(one, null, ''), one.count, gl.MAX);
+    }
   }
 
   /** Sums all Gaussians in some slabs of a strip. */
@@ -187,13 +196,17 @@ export class Slabs {
     for (const one of parts) renderer.draw(renderer.instancesOf(one, what.field, ''), one.count);
   }
 
-  /** Blends a pass over the layers into an image. */
-  gather(image, used, [layer_0, layer_1, layer_2, layer_3], textures, equation, from, to) {
-    const { renderer } = this, { gl } = renderer;
+  /** Blends a pass over the layers into an image; first: row of the picture in its first one. */
+  gather(image, used, what, first, slab, [layer_0, layer_1, layer_2, layer_3], textures, equation, from, to) {
+    const { renderer, ranges, tiles } = this, { gl } = renderer;
     renderer.target(this.into[image], [this[image]]);
     gl.viewport(0, 0, renderer.width, this.rows);
     used.use();
-    renderer.sample(used, { layer_0, layer_1, layer_2, layer_3, ...textures });
+    used.set('slabs', what.slabs);
+    used.set('first_slab', slab);
+    used.set('first_row', first);
+    used.set('central', renderer.format.bits === 32 ? 0 : 1);
+    renderer.sample(used, { layer_0, layer_1, layer_2, layer_3, ranges, tiles, ...textures });
     gl.enable(gl.BLEND);
     gl.blendEquation(equation);
     gl.blendFunc(from, to);
@@ -227,8 +240,8 @@ export class Slabs {
     gl.depthMask(false);
     if (what.transfer) {
       const word = wordOf(what), finish = renderer.program('screen.vert', finishShaders, word);
-      this.setFinish(finish, model, camera, what, first);
-      const { table, pieces, ranges } = this, passes = passesOf(what), images = this.imagesOf(what);
+      this.setFinish(finish, model, camera, what);
+      const { table, pieces } = this, passes = passesOf(what), images = this.imagesOf(what);
       // No tau before the first and behind the last slab.
       const nothing = Array(layers).fill(this.densest), isDrawn = this.isDrawn(what);
       renderer.target(this.into.densest, [this.densest]);
@@ -241,10 +254,8 @@ export class Slabs {
         test(!isKept);
         if (pass < passes && !isDrawn) this.drawLayers(now, parts, model, camera, what, word, first, pass * slabsOf[word]);
         test(true);
-        finish.use();
-        finish.set('first_slab', (pass - 1) * slabsOf[word]);
         // Under what is in front.
-        this.gather('strip', finish, now, { before_0, before_1, before_2, before_3, table, pieces, ranges }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
+        this.gather('strip', finish, what, first, (pass - 1) * slabsOf[word], now, { before_0, before_1, before_2, before_3, table, pieces }, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);
         before = now;
         if (pass < passes) this.hideOpaque();
       }
@@ -255,11 +266,10 @@ export class Slabs {
     }
   }
 
-  setFinish(used, model, camera, what, first) {
+  setFinish(used, model, camera, what) {
     const { right, up, forward } = axesOf(camera), { on, weights: [ambient, diffuse, ...shine], shadows, asymmetry } = what.light, { light, renderer, lattice } = this;
     used.use();
     renderer.setScreen(used, model, camera);
-    used.set('first_row', first);
     used.setInteger('piece_count', light.pieces.length);
     used.setInteger('exact', light.exact ? 1 : 0);
     used.set('columns', ...light.columns);
@@ -271,7 +281,6 @@ export class Slabs {
     if (parts.length > 0) used.setList('gradient_part[0]', parts.slice(0, mostGradientParts).flat());
     used.set('parts_per_cell', what.slabs / 32);
     used.set('rounding', 4e-7);
-    used.set('central', renderer.format.bits === 32 ? 0 : 1);
     // Without a light from a direction all light is ambient.
     used.set('lighting', ...(on || shadows ? [ambient, diffuse] : [ambient + diffuse, 0]), shine[0], on ? shine[1] : 0);
     used.set('asymmetry', on || shadows ? asymmetry : 0);
@@ -281,7 +290,6 @@ export class Slabs {
     used.setInteger('reached', reachedUnit);
     used.set('reaches', lattice ? 1 : 0);
     if (!lattice) return;
-    used.set('slabs', what.slabs);
     const place = (v) => v.map((one, k) => one / (lattice.edge * lattice.size[k])), eye = mul(1 / model.unit, sub(camera.eye, model.center));
     // Centres of texels lie half a cell from the faces.
     used.set('reach_eye', ...place(eye.map((one, k) => one - lattice.first[k] + 0.5 * lattice.edge)));
@@ -300,17 +308,16 @@ export class Slabs {
     const { renderer } = this, { gl } = renderer, { unit, isMeasure } = what.source;
     renderer.target(this.into.densest, [this.densest]);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    const used = renderer.program('screen.vert', ['largest.frag']);
+    const used = renderer.program('screen.vert', ['tiles.glsl', 'largest.frag']);
     for (const means of [0, 1]) {
       used.use();
       used.setInteger('of_means', means);
       used.set('least_share', leastShare);
       // A density's mean is at most three times the density (most_share_per_density).
       used.set('most', isMeasure ? 1.5 / unit / model.unit / model.extinction : 0);
-      used.set('slabs', what.slabs);
       for (let slab = 0; slab < what.slabs; slab += slabsOf.MEANS) {
         this.drawLayers(this.ring[0], parts, model, camera, what, 'MEANS', first, slab);
-        this.gather(means ? 'strip' : 'densest', used, this.ring[0], { ranges: this.ranges, densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
+        this.gather(means ? 'strip' : 'densest', used, what, first, slab, this.ring[0], { densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
       }
     }
   }
