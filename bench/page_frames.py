@@ -3,7 +3,7 @@
 
 usage: bench/page_frames.py VOG MODEL.ply [--size 480x270] [--rounds 3] [--gpu-size 1920x1080] [--pictures FOLDER]
 
-Opens the page of a model in headless Chromium, whose GPU is software (SwiftShader), and turns the camera: whole frames, frames in motion (half
+Opens the page of a model in headless Chromium, whose GPU is software (Mesa's llvmpipe), and turns the camera: whole frames, frames in motion (half
 the resolution, half the slabs), these with all slabs, and whole frames that draw behind opaque pixels, too. A frame's time is the CPU's in
 the browser's GPU process, which other load of the machine changes little. Prints medians of the ratios to whole frames, the least and
 the largest, and the PSNR of a frame in motion from the whole one.

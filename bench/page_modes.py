@@ -4,7 +4,7 @@ light.
 
 usage: bench/page_modes.py VOG MODEL.ply [--size 640x480] [--rounds 5] [--frames 3]
 
-Opens the page of a model in headless Chromium, whose GPU is software (SwiftShader), checks each mode's picture against that
+Opens the page of a model in headless Chromium, whose GPU is software (Mesa's llvmpipe), checks each mode's picture against that
 of the command, then draws frames under a camera that turns by a degree each: the modes in turn, so that all share the
 machine's other load. A frame is from the change to the GPU's end of it. Prints medians over the rounds and their ratios to
 visibility, with the least and the largest ratio of a round.

@@ -6,7 +6,7 @@ usage: bench/page_streaming.py FOLDER/ [--size 512x512] [--error 1] [--rate kB/s
        [--reference VOG MODEL]
 
 Serves a site, or a folder of a page (index.html, vog page MODEL.vogz --from MODEL.vogz) and its compact file, by ranges, on loopback
-to headless Chromium, whose GPU is software (SwiftShader), one sub-frame a picture. Bytes are those of answers' bodies, uncompressed,
+to headless Chromium, whose GPU is software (Mesa's llvmpipe), one sub-frame a picture. Bytes are those of answers' bodies, uncompressed,
 the page's own included. Memory is private memory of the page's process and of the browser's GPU process, the largest of samples every
 0.2 s. The flight nears the model to a hundredth of its distance and leaves it, turning by 9 degrees a view, 0.3 s each, as drags do:
 frames decide on the error meanwhile. Expects that every view ends within the error or with full memory, and
