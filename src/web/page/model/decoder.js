@@ -1,9 +1,6 @@
 // decoder.js: decoding of levels, chunks and fields in a worker, so that playing steps in time does not wait for it; on the page's
 // own thread where there is no worker.
-import { decodeLevel } from './gaussians.js';
-import { decodeField, decodeFieldFile } from './fields.js';
-
-const calls = { decodeLevel, decodeField, decodeFieldFile };
+import { calls } from './worker.js';
 
 export class Decoder {
   /** made  makes the worker, or throws where none can be had */

@@ -2,7 +2,7 @@
 import { decodeLevel } from './gaussians.js';
 import { decodeField, decodeFieldFile } from './fields.js';
 
-const calls = { decodeLevel, decodeField, decodeFieldFile };
+export const calls = { decodeLevel, decodeField, decodeFieldFile };
 
 /** Begins to answer. */
 export function answering() {
