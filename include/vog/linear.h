@@ -56,6 +56,10 @@ template <class S>
 Vec3<S> normalized(Vec3<S> a) {
     return (S(1) / length(a)) * a;
 }
+template <class S>
+bool finite(Vec3<S> a) {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 /// Components converted to another type by static_cast.
 template <class To, class From>
 constexpr Vec3<To> vec_cast(Vec3<From> a) {

@@ -16,7 +16,7 @@ namespace vog {
 
 namespace {
 
-constexpr int kSize = 256;  // pixels
+constexpr int kPictureSize = 256;  // pixels
 
 /// A splat on the screen, pixels.
 struct Projected {
@@ -29,7 +29,7 @@ struct Projected {
 Projected project(const Splats& splats, std::size_t i, const Camera& camera) {
     const Vec3d forward = normalized(camera.look_at - camera.eye);
     const Vec3d right = normalized(cross(forward, camera.up)), up = cross(right, forward);
-    const double scale = kSize / camera.orthographic_width;
+    const double scale = kPictureSize / camera.orthographic_width;
     const Vec3d from = vec_cast<double>(splats.mean[i]) - camera.eye;
     const Mat3 r = matrix_from_quat(splats.rotation[i]);
     double xx = 0, xy = 0, yy = 0;
@@ -42,8 +42,8 @@ Projected project(const Splats& splats, std::size_t i, const Camera& camera) {
     // Renderers leave out alphas below 1/255.
     const double reach2 = std::max(0.0, 2 * std::log(255 * opacity));
     const double determinant = std::max(xx * yy - xy * xy, std::numeric_limits<double>::min());
-    return {0.5 * (kSize - 1) + scale * dot(from, right),
-            0.5 * (kSize - 1) - scale * dot(from, up),
+    return {0.5 * (kPictureSize - 1) + scale * dot(from, right),
+            0.5 * (kPictureSize - 1) - scale * dot(from, up),
             yy / determinant,
             -xy / determinant,
             xx / determinant,
@@ -57,21 +57,22 @@ std::vector<double> depth_of(const Splats& splats, const Camera& camera) {
     std::vector<Projected> all(splats.size());
     vog::parallel_for(std::size_t{0}, all.size(),
                       [&](std::size_t i) { all[i] = project(splats, i, camera); });
-    std::vector<double> depth(std::size_t{kSize} * kSize);
-    vog::parallel_for(0, kSize, [&](int row) {
+    std::vector<double> depth(std::size_t{kPictureSize} * kPictureSize);
+    vog::parallel_for(0, kPictureSize, [&](int row) {
         for (const Projected& p : all) {
             const double dy = row - p.y;
             if (!(std::abs(dy) <= p.reach_y)) continue;
             const int first =
                 std::max(0, static_cast<int>(std::ceil(std::max(p.x - p.reach_x, 0.0))));
-            const int last = static_cast<int>(std::floor(std::min(p.x + p.reach_x, kSize - 1.0)));
+            const int last =
+                static_cast<int>(std::floor(std::min(p.x + p.reach_x, kPictureSize - 1.0)));
             for (int column = first; column <= last; ++column) {
                 const double dx = column - p.x;
                 const double alpha =
                     p.opacity *
                     std::exp(-0.5 * (p.xx * dx * dx + 2 * p.xy * dx * dy + p.yy * dy * dy));
                 if (alpha >= 1 / 255.0)
-                    depth[static_cast<std::size_t>(row) * kSize +
+                    depth[static_cast<std::size_t>(row) * kPictureSize +
                           static_cast<std::size_t>(column)] -= std::log1p(-alpha);
             }
         }
@@ -96,7 +97,7 @@ SplatsError splats_error(const Gaussians& model, const Splats& splats, double ex
         orbit.orthographic = true;
         set_view(orbit, name);
         const Camera camera = orbit_view(box, orbit);
-        renderer.render(camera, kSize, kSize, image);
+        renderer.render(camera, kPictureSize, kPictureSize, image);
         const std::vector<double> depth = depth_of(splats, camera);
         double squares = 0;
         for (std::size_t n = 0; n < depth.size(); ++n) {

@@ -14,8 +14,6 @@ namespace {
 
 std::string where(const Cells& cells) { return cells.source.empty() ? "cells" : cells.source; }
 
-bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 void check_values(const Cells& cells, const CellValues& values, bool scalar) {
     const std::size_t wanted = values.at_points ? cells.points.size() : cells.size();
     if (values.component.size() != 1 && (scalar || values.component.size() != 3))

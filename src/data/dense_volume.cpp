@@ -16,7 +16,7 @@ namespace vog {
 namespace {
 
 /// Overlap of one block with one leaf.
-struct Overlap {
+struct BlockInLeaf {
     Vec3i origin;                                ///< of the leaf
     std::uint32_t block = 0;                     ///< index of the block
     std::uint32_t negative = 0, not_finite = 0;  ///< number of such values
@@ -25,7 +25,7 @@ struct Overlap {
     bool active = false;                         ///< some voxel is active
 };
 
-constexpr auto sort_key = [](const Overlap& o) {
+constexpr auto sort_key = [](const BlockInLeaf& o) {
     return std::tie(o.origin.x, o.origin.y, o.origin.z, o.block);
 };
 
@@ -70,8 +70,8 @@ void check(const DenseBlock& block, const std::string& name) {
 }
 
 /// Overlaps of all blocks with leaves, sorted by the leaf's origin, then by block.
-std::vector<Overlap> overlapped_leaves(std::span<const DenseBlock> blocks) {
-    std::vector<Overlap> all;
+std::vector<BlockInLeaf> overlapped_leaves(std::span<const DenseBlock> blocks) {
+    std::vector<BlockInLeaf> all;
     for (std::uint32_t n = 0; n < blocks.size(); ++n) {
         const Vec3i lower = leaf_of(blocks[n].first);
         const Vec3i upper = blocks[n].first + blocks[n].size;
@@ -80,12 +80,12 @@ std::vector<Overlap> overlapped_leaves(std::span<const DenseBlock> blocks) {
                 for (int z = lower.z; z < upper.z; z += kLeafEdge) all.push_back({{x, y, z}, n});
     }
     std::sort(all.begin(), all.end(),
-              [](const Overlap& a, const Overlap& b) { return sort_key(a) < sort_key(b); });
+              [](const BlockInLeaf& a, const BlockInLeaf& b) { return sort_key(a) < sort_key(b); });
     return all;
 }
 
 /// Sets `active` and the invalid values of an overlap.
-void check_values(const DenseBlock& block, const ValueRules& rules, Overlap& overlap) {
+void check_values(const DenseBlock& block, const ValueRules& rules, BlockInLeaf& overlap) {
     each_active(block, overlap.origin, [&](Vec3i index, float value) {
         const bool finite = std::isfinite(value);
         // A negative value that becomes 0 is active where a mask says so.
@@ -97,11 +97,11 @@ void check_values(const DenseBlock& block, const ValueRules& rules, Overlap& ove
     });
 }
 
-void require_densities(const std::vector<Overlap>& overlaps, std::span<const DenseBlock> blocks,
+void require_densities(const std::vector<BlockInLeaf>& overlaps, std::span<const DenseBlock> blocks,
                        const std::string& name) {
     std::uint64_t invalid = 0;
-    const Overlap* first = nullptr;
-    for (const Overlap& overlap : overlaps) {
+    const BlockInLeaf* first = nullptr;
+    for (const BlockInLeaf& overlap : overlaps) {
         if (overlap.invalid && !first) first = &overlap;
         invalid += overlap.invalid;
     }
@@ -117,8 +117,6 @@ void require_densities(const std::vector<Overlap>& overlaps, std::span<const Den
                     name, invalid, value, at.x, at.y, at.z));
 }
 
-bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 }  // namespace
 
 Volume volume_from_dense(std::span<const DenseBlock> blocks, const Affine& world_from_index,
@@ -126,15 +124,15 @@ Volume volume_from_dense(std::span<const DenseBlock> blocks, const Affine& world
     for (const DenseBlock& block : blocks) check(block, name);
 
     // Only leaves with active voxels are made: an array may be mostly empty.
-    std::vector<Overlap> overlaps = overlapped_leaves(blocks);
+    std::vector<BlockInLeaf> overlaps = overlapped_leaves(blocks);
     vog::parallel_for(std::size_t{0}, overlaps.size(), [&](std::size_t n) {
         check_values(blocks[overlaps[n].block], rules, overlaps[n]);
     });
     require_densities(overlaps, blocks, name);
     if (notes)
-        for (const Overlap& overlap : overlaps)
+        for (const BlockInLeaf& overlap : overlaps)
             notes->add({overlap.negative, overlap.not_finite, 0});
-    std::erase_if(overlaps, [](const Overlap& overlap) { return !overlap.active; });
+    std::erase_if(overlaps, [](const BlockInLeaf& overlap) { return !overlap.active; });
     if (overlaps.empty())
         throw Error(fmt::format("{}: no active voxel, expected some above 0", name));
 

@@ -17,11 +17,6 @@ namespace vog {
 
 namespace {
 
-template <class T>
-bool finite(Vec3<T> v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 /// Means relative to another origin. throws vog::Error as set_origin does
 BigVector<Vec3f> means_from(const Gaussians& gaussians, Vec3d origin) {
     const Vec3d shift = gaussians.origin - origin;

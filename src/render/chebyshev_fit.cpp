@@ -7,13 +7,13 @@
 
 namespace vog {
 
-namespace {
-
 double horner(const std::vector<double>& coefficient, double v) {
     double sum = 0;
     for (auto c = coefficient.rbegin(); c != coefficient.rend(); ++c) sum = sum * v + *c;
     return sum;
 }
+
+namespace {
 
 /// The interpolant at the zeros of a Chebyshev polynomial over x = half (v + 1), in powers of v.
 std::vector<double> interpolant(const std::function<double(double)>& of, std::size_t count,

@@ -6,6 +6,9 @@
 
 namespace vog {
 
+/// Value at v of the polynomial whose coefficients of v^0, v^1, ... these are.
+double horner(const std::vector<double>& coefficient, double v);
+
 /// Polynomial in v = slope x - 1, which is in [-1, 1]: powers of x itself would lose all digits.
 struct ChebyshevFit {
     std::vector<float> coefficient;  ///< of v^0, v^1, ...

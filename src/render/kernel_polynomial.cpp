@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/chebyshev_fit.h"
+
 namespace vog {
 
 namespace {
@@ -16,12 +18,6 @@ double kernel(double u, double cutoff) {
     constexpr double kSmall = 1e-8;  // erf(x)/x = 2/sqrt(pi) (1 - x²/3 + ...): exact to 3e-9 here
     if (u < kSmall) return scale * 2 * std::numbers::inv_sqrtpi;
     return scale * std::erf(std::sqrt(u)) / std::sqrt(u);
-}
-
-double horner(const std::vector<double>& coefficient, double v) {
-    double sum = 0;
-    for (auto c = coefficient.rbegin(); c != coefficient.rend(); ++c) sum = sum * v + *c;
-    return sum;
 }
 
 /// Coefficients, in powers of v, of the interpolant whose error times sqrt(u) is near-minimax:

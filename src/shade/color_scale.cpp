@@ -16,7 +16,7 @@ namespace {
 
 using Kind = ColorScale::Kind;
 
-void require_valid(const ColorScale& scale) {
+void require_range(const ColorScale& scale) {
     if (scale.kind == Kind::visibility) return;
     const bool log = scale.kind == Kind::log;
     if (!std::isfinite(scale.low) || !std::isfinite(scale.high) || !(scale.low < scale.high) ||
@@ -66,7 +66,7 @@ std::string text_of(double value, int digits) {
 }  // namespace
 
 double scale_position(const ColorScale& scale, double value) {
-    require_valid(scale);
+    require_range(scale);
     if (scale.kind == Kind::visibility) return value > 0 ? -std::expm1(-value) : 0;
     if (!(value > scale.low)) return 0;
     if (value >= scale.high) return 1;
@@ -148,7 +148,7 @@ ColorScale fitted_scale(std::span<const float> values, ScaleFit fit) {
 }
 
 std::vector<double> scale_ticks(const ColorScale& scale, double least_gap) {
-    require_valid(scale);
+    require_range(scale);
     std::vector<double> ticks;
     if (scale.kind == Kind::visibility) {
         // By importance: the ends, then what divides the bar most evenly.

@@ -62,7 +62,7 @@ std::pair<double, double> range_of(const ParticleValues& field, const BigVector<
 }
 
 /// One Gaussian and its particles.
-struct Group {
+struct GaussianParticles {
     std::span<const std::uint32_t> particles;
     std::span<const Moments> parts;
     const lod::Merger& merger;
@@ -143,7 +143,7 @@ void add_particle_fields(Gaussians& model, const Points& points,
                              {variance, 0, 0, variance, 0, variance}});
         }
         const lod::Merger merger(joined_moments(parts), parts);
-        const Group group{own, parts, merger, i};
+        const GaussianParticles group{own, parts, merger, i};
         for (const auto& [values, k] : scalar) group.set<1>(*values, model.fields.scalar[k]);
         for (const auto& [values, k] : vector) group.set<3>(*values, model.fields.vector[k]);
     });

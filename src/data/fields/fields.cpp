@@ -122,7 +122,6 @@ void require_length(const std::string& field, std::size_t n, const Arrays&... ar
                                     in_quotes(field), length, n));
 }
 
-bool finite(Vec3f v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 std::string text(Vec3f v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 
 void check_values(const ScalarField& field, std::size_t n) {

@@ -17,8 +17,6 @@ namespace vog {
 
 namespace {
 
-bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 std::string text(Vec3d v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
 
 constexpr int kMaxImagePixels = 1 << 28;  // 16384 x 16384: a gigabyte of T

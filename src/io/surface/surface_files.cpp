@@ -53,7 +53,7 @@ void write_stl(std::ofstream& out, const Surface& surface) {
     }
 }
 
-void write_ply(std::ofstream& out, const Surface& surface) {
+void write_ply_faces(std::ofstream& out, const Surface& surface) {
     out << fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
         "y\nproperty float z\nelement face {}\nproperty list uchar uint vertex_indices\n"
@@ -76,7 +76,7 @@ void write_surface(const std::filesystem::path& file, const Surface& surface) {
     const std::string extension = file.extension().string();
     const auto write =
         extension == ".stl"   ? write_stl
-        : extension == ".ply" ? write_ply
+        : extension == ".ply" ? write_ply_faces
         : extension == ".obj"
             ? write_obj
             : throw Error(fmt::format("{}: expected .stl, .ply or .obj", file.string()));

@@ -246,7 +246,7 @@ void read_rows(PlyBody& body, const PlyElement& element, Polygons& to) {
     }
 }
 
-void read_ply(const std::string& bytes, Polygons& to) {
+void read_ply_faces(const std::string& bytes, Polygons& to) {
     std::istringstream in(bytes);
     std::vector<PlyElement> elements;
     PlyBody body{bytes.data(), bytes.data() + bytes.size()};
@@ -290,7 +290,7 @@ Surface read_surface(const std::filesystem::path& file, std::vector<std::string>
     if (!is_surface_file(file)) fail("expected triangles, .stl, .obj or .ply with faces");
     const std::string bytes{std::istreambuf_iterator<char>(in), {}}, format = extension_of(file);
     Polygons all;
-    (format == ".stl" ? read_stl : format == ".obj" ? read_obj : read_ply)(bytes, all);
+    (format == ".stl" ? read_stl : format == ".obj" ? read_obj : read_ply_faces)(bytes, all);
     const std::size_t count = all.surface.triangle.size();
     if (count == 0)
         fail(fmt::format("no triangles{}", all.left_out ? " with finite points and an area" : ""));

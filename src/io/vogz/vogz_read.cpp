@@ -34,7 +34,7 @@ struct Reading {
     bool to_nodes;  ///< into the hierarchy in place of the model
 };
 /// Shapes, and the blobs of the same Gaussians.
-using Chunk = std::vector<Reading>;
+using Readings = std::vector<Reading>;
 
 /// A file and its table.
 struct OpenFile {
@@ -82,7 +82,7 @@ ChosenFields choose(const FileTable& table, const std::filesystem::path& file,
 
 /// Decodes a chunk's blobs.
 /// bytes  of the chunk, from the first of its blobs that is read to the last
-void decode(const FileTable& table, const ChosenFields& chosen, const Chunk& chunk,
+void decode(const FileTable& table, const ChosenFields& chosen, const Readings& chunk,
             std::span<const char> bytes, const std::string& name, Gaussians& model,
             Hierarchy* hierarchy) {
     std::vector<double> spread(chunk.front().blob->count);
@@ -136,10 +136,10 @@ struct Selection : VogzPart {
 
 /// Chunks of a part of a model, in the order of the file.
 /// hierarchy  whether nodes go to a hierarchy
-std::vector<Chunk> chosen_chunks(const FileTable& table, const ChosenFields& chosen,
-                                 const Selection& part, bool hierarchy, std::size_t& count,
-                                 std::size_t& nodes) {
-    std::vector<Chunk> chunks;
+std::vector<Readings> chosen_chunks(const FileTable& table, const ChosenFields& chosen,
+                                    const Selection& part, bool hierarchy, std::size_t& count,
+                                    std::size_t& nodes) {
+    std::vector<Readings> chunks;
     std::uint64_t offset = table.body_offset;
     std::uint64_t first = 0;  // Gaussian of the file
     bool kept = false, to_nodes = false;
@@ -174,7 +174,7 @@ Gaussians read(OpenFile& in, const std::filesystem::path& file, const Selection&
     const FileTable& table = in.table;
     const ChosenFields chosen = choose(table, file, part.fields);
     std::size_t count = 0, nodes = 0;
-    const std::vector<Chunk> chunks =
+    const std::vector<Readings> chunks =
         chosen_chunks(table, chosen, part, hierarchy != nullptr, count, nodes);
     Gaussians model = table.description;
     model.fields = chosen.fields;

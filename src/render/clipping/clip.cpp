@@ -11,16 +11,12 @@
 
 namespace vog {
 
-namespace {
-
-bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-}  // namespace
+namespace {}  // namespace
 
 void validate(const Clipping& clip) {
     if (clip.box) {
         const Box& box = *clip.box;
-        if (!is_finite(box.lower) || !is_finite(box.upper))
+        if (!finite(box.lower) || !finite(box.upper))
             throw Error("clip box: expected finite corners");
         for (int axis = 0; axis < 3; ++axis)
             if (!(box.lower[axis] < box.upper[axis]))
@@ -29,7 +25,7 @@ void validate(const Clipping& clip) {
                                 "xyz"[axis], box.lower[axis], box.upper[axis]));
     }
     for (const ClipPlane& plane : clip.planes)
-        if (!is_finite(plane.normal) || !std::isfinite(plane.offset) || !(length(plane.normal) > 0))
+        if (!finite(plane.normal) || !std::isfinite(plane.offset) || !(length(plane.normal) > 0))
             throw Error(fmt::format(
                 "clip plane {},{},{},{}: expected finite numbers and a normal that is not 0",
                 plane.normal.x, plane.normal.y, plane.normal.z, plane.offset));

@@ -22,7 +22,6 @@ constexpr SurfaceBvh::Color kGrey{0.8f, 0.8f, 0.8f};
 Vec3d corner_of(const Surface& surface, std::size_t triangle, std::size_t corner) {
     return surface.point[surface.triangle[triangle][corner]];
 }
-bool is_finite(Vec3d p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 /// Of twice the triangle's area.
 Vec3d normal_of(const Surface& surface, std::size_t triangle) {
     const Vec3d a = corner_of(surface, triangle, 0);
@@ -44,12 +43,12 @@ SurfaceBvh::SurfaceBvh(std::shared_ptr<const Surface> surface) : surface_(std::m
     const Surface& s = *surface_;
     for (const auto& triangle : s.triangle)
         for (const std::uint32_t p : triangle)
-            if (p >= s.point.size() || !is_finite(s.point[p]))
+            if (p >= s.point.size() || !finite(s.point[p]))
                 throw Error(
                     fmt::format("surface: a triangle of point {}, expected finite points, 0 to {}",
                                 p, s.point.size() - 1));
     for (const Vec3d& point : s.point)
-        if (is_finite(point)) box_.include(point);
+        if (finite(point)) box_.include(point);
     center_ = box_.empty() ? Vec3d{} : box_.center();
     radius_ = std::max(box_.empty() ? 0.0 : box_.radius(), 1e-300);
     normal_.resize(s.point.size());

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kAround = kLeafEdge + 2;  // edge of a leaf with one layer of voxels around it
 
-bool node_order(Vec3i a, Vec3i b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+bool by_origin(Vec3i a, Vec3i b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
 /// Origins of the 8^3 blocks that may contain active voxels or voxels of the layer, sorted.
 std::vector<Vec3i> blocks_around(const Volume& volume) {
@@ -31,7 +31,7 @@ std::vector<Vec3i> blocks_around(const Volume& volume) {
     };
     for (const Leaf& leaf : volume.leaves) add_around(leaf.origin, kLeafEdge);
     for (const Tile& tile : volume.tiles) add_around(tile.origin, tile.edge);
-    std::sort(blocks.begin(), blocks.end(), node_order);
+    std::sort(blocks.begin(), blocks.end(), by_origin);
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     return blocks;
 }

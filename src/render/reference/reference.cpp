@@ -37,8 +37,6 @@ struct ConstantSum {
     }
 };
 
-bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction,
                    Segment within = {}) {
     // t is the same in both spaces: a length in world units is t times the length of `direction`.

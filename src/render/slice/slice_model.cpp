@@ -33,15 +33,15 @@ class Cuts {
 
     /// In the model's order, for any number of threads.
     std::vector<CutGaussian> all() const {
-        using Part = std::vector<CutGaussian>;
+        using List = std::vector<CutGaussian>;
         return tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, gaussians_.size(), 1 << 14), Part{},
-            [&](const tbb::blocked_range<std::size_t>& range, Part part) {
+            tbb::blocked_range<std::size_t>(0, gaussians_.size(), 1 << 14), List{},
+            [&](const tbb::blocked_range<std::size_t>& range, List part) {
                 for (std::size_t i = range.begin(); i < range.end(); ++i)
                     if (const auto cut = cut_of(i)) part.push_back(*cut);
                 return part;
             },
-            [](Part a, const Part& b) {
+            [](List a, const List& b) {
                 a.insert(a.end(), b.begin(), b.end());
                 return a;
             });

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "render/shown_field.h"
 #include "render/trace/splat_kernel.h"
 #include "vog/error.h"
 
@@ -15,7 +16,6 @@ namespace vog::trace {
 
 namespace {
 
-device::Double3 plain(Vec3d v) { return {v.x, v.y, v.z}; }
 device::Float3 plain_float(Vec3d v) { return device::to_float(plain(v)); }
 
 void check(const Gaussians& gaussians, double aabb_sigma) {

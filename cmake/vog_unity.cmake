@@ -1,0 +1,21 @@
+# Compiles the given sources of `target` together with those beside them, since each would spend most of its seconds on
+# headers. By folder, so that a new source makes only its neighbours compile again; folders of one or two with their parent's.
+function(vog_unite_folders target)
+    foreach(source IN LISTS ARGN)
+        cmake_path(GET source PARENT_PATH folder)
+        while(TRUE)
+            set(inside ${ARGN})
+            list(FILTER inside INCLUDE REGEX "^${folder}/")
+            list(LENGTH inside count)
+            if(count GREATER 2 OR folder STREQUAL PROJECT_SOURCE_DIR)
+                break()
+            endif()
+            cmake_path(GET folder PARENT_PATH folder)
+        endwhile()
+        cmake_path(RELATIVE_PATH folder OUTPUT_VARIABLE group)
+        string(MAKE_C_IDENTIFIER "${group}" group)
+        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+    endforeach()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)  # sources included by a source
+endfunction()
