@@ -8,7 +8,7 @@ import numpy as np
 from . import _vog
 from ._grids import Grids, lattice, lead_of, listed, one_grid
 from ._packages import need
-from ._readers import axes_of, note_curved, oriented
+from ._readers import axes_of, note_curved, oriented, valid, valid_limits
 
 # Most voxels of the level of a pyramid that is read where none is named.
 _MOST_VOXELS = 2**27
@@ -136,10 +136,12 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
             last = min(first + depth, array.shape[2])
             along = slice(array.shape[2] - last, array.shape[2] - first) if turned[2] else slice(first, last)
             # Loaded before it is turned: xarray turns what is not by an index of each value.
-            values = source.isel({dims[2]: along}).load().transpose(..., *dims).values
+            loaded = source.isel({dims[2]: along}).load().transpose(..., *dims)
+            values = valid(loaded.values, loaded)
             return values.reshape(values.shape[-3:])[tuple(slice(None, None, -1 if back else 1) for back in turned)]
 
-        return array.shape, array.dtype, map(part, range(0, array.shape[2], depth))
+        limited = np.isfinite(valid_limits(array)).any()  # values beyond are NaN
+        return array.shape, np.result_type(array.dtype, np.float32) if limited else array.dtype, map(part, range(0, array.shape[2], depth))
 
     def blocks(_: int, name: str) -> Any:
         return [((0, 0, 0), np.concatenate(list(slabs(name)[2]), 2))]

@@ -22,6 +22,10 @@ def _is_path(value: object) -> bool:
 # --- yt
 
 
+# Level of particles' finest covering grid: 1024 cells along an axis.
+_FINEST = 10
+
+
 def from_yt(
     ds: Any,
     field: Any = ("gas", "density"),
@@ -85,8 +89,8 @@ def from_yt(
         if not len(getattr(ds.index, "grids", ())):
             raise _vog.Error("from_yt: the data set has no grids (an octree or particles), expected patches, or level= for a covering grid")
         cells = [ds.domain_dimensions * ds.refine_by**n for n in range(ds.index.max_level + 1)]
-    elif isinstance(level, bool) or not 0 <= level <= ds.index.max_level:
-        raise _vog.Error(f"from_yt: level {described(level)}, expected 0 to {ds.index.max_level}")
+    elif isinstance(level, bool) or not 0 <= level <= (finest := int(getattr(ds.index, "max_level", getattr(ds, "max_level", _FINEST)))):
+        raise _vog.Error(f"from_yt: level {described(level)}, expected 0 to {finest}")
     else:
         # Dimensions of a domain of less than three axes stay 1.
         cells = [np.where(np.arange(3) < ds.dimensionality, ds.domain_dimensions * ds.refine_by**level, 1)]
@@ -142,7 +146,7 @@ def from_xarray(
     dims        names of the dimensions along x, y and z: ('lon', 'lat', 'lev'); None: those called x or lon, y or lat, and z, else
                 the last three in reverse, as image stacks and models of the atmosphere have z first
     voxel_size  in place of the coordinates' spacing: a number or (x, y, z)
-    skip_nonfinite, clip_negative  as in Volume.from_numpy; missing values are NaN
+    skip_nonfinite, clip_negative  as in Volume.from_numpy; missing values are NaN, and those beyond `valid_range`, `valid_min`, `valid_max`
 
     Coordinates are the centres of voxels and must be evenly spaced, up or down; those along two axes are left out, with a warning.
     With voxel_size they state the direction: latitudes run to the north, and pressures and depths (positive: down) downwards. The attribute `units` of the array and the common
@@ -160,7 +164,7 @@ def from_xarray(
         raise TypeError(f"from_xarray: got {described(array)}, expected a DataArray of xarray{more}")
     note_curved(array, "from_xarray", dims)
     array, dims, size, origin, length = oriented(array, dims, voxel_size)
-    values = array.data if root_package(array.data) in ("pint", "astropy", "unyt") else array.values
+    values = array.data if root_package(array.data) in ("pint", "astropy", "unyt") else valid(array.values, array)
     volume = _vog.Volume.from_numpy(
         values, voxel_size=size, origin=origin, name=str(array.name or "density"), skip_nonfinite=skip_nonfinite,
         clip_negative=clip_negative,
@@ -169,6 +173,29 @@ def from_xarray(
     density = known.density if known.density is not None else array.attrs.get("units")
     length = known.length if known.length is not None else length
     return set_units(volume, density, length) if density or length is not None else volume
+
+
+def valid_limits(array: Any) -> "tuple[float, float]":
+    """The least and largest valid value that the attributes of a DataArray from NetCDF state: of packed values, unless they are fractions."""
+    stated = array.attrs.get("valid_range", (array.attrs.get("valid_min", -np.inf), array.attrs.get("valid_max", np.inf)))
+    try:
+        low, high = (float(end) for end in stated)
+    except (TypeError, ValueError):
+        raise _vog.Error(f"'{array.name}': valid range {described(stated)}, expected two numbers") from None
+    packed = np.dtype(array.encoding.get("dtype", array.dtype)).kind in "iu"
+    if packed and all(np.asarray(end).dtype.kind in "iu" or np.isinf(end) for end in stated):
+        scale, offset = array.encoding.get("scale_factor", 1), array.encoding.get("add_offset", 0)
+        low, high = sorted((low * scale + offset, high * scale + offset))
+    return low, high
+
+
+def valid(values: Any, array: Any) -> Any:
+    """Values of a DataArray, NaN beyond its valid limits."""
+    ends = valid_limits(array)
+    # The limits are valid, rounded as the values are.
+    slack = 1e-6 * max([abs(end) for end in ends if np.isfinite(end)], default=0.0)
+    beyond = (values < ends[0] - slack) | (values > ends[1] + slack)
+    return np.where(beyond, np.nan, values) if beyond.any() else values
 
 
 # Names of dimensions along x and y, and of those that are no places.

@@ -77,6 +77,23 @@ def test_xarray_brings_coordinates_and_units():
         vog.from_xarray(values)
 
 
+@pytest.mark.parametrize(
+    "limits", [{"valid_range": np.array([2, 20], np.int16)}, {"valid_min": np.int16(2), "valid_max": np.int16(20)}, {"valid_range": [1.2, 3.0]}]
+)
+def test_values_beyond_the_valid_range_of_netcdf_are_missing(tmp_path, limits):
+    xarray = pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    pytest.importorskip("scipy", reason="needs scipy (pip install scipy)")
+    packed = np.arange(24, dtype=np.int16).reshape(2, 3, 4)
+    attributes = {"scale_factor": 0.1, "add_offset": 1.0, **limits}
+    xarray.Dataset({"rain": (("z", "y", "x"), packed, attributes)}).to_netcdf(tmp_path / "rain.nc", engine="scipy")
+    seen = np.where((packed >= 2) & (packed <= 20), packed * 0.1 + 1, np.nan).transpose(2, 1, 0)
+    array = xarray.open_dataset(tmp_path / "rain.nc", engine="scipy")["rain"]
+    for read in (lambda **rules: vog.from_xarray(array, **rules), lambda **rules: vog.load(tmp_path / "rain.nc", **rules)):
+        np.testing.assert_allclose(read(skip_nonfinite=True).to_numpy(), np.nan_to_num(seen)[:, :, :], rtol=1e-6)
+    with pytest.raises(vog.Error, match="'rain': valid range 'low', expected two numbers"):
+        vog.from_xarray(array.assign_attrs(valid_range="low"))
+
+
 def test_nibabel_and_paths_agree(tmp_path):
     nibabel = pytest.importorskip("nibabel", reason="needs nibabel (pip install nibabel)")
     values = np.random.default_rng(1).random((5, 6, 7)).astype(np.float32) + 0.1
@@ -150,6 +167,21 @@ def test_yt_levels_and_covering_grid():
     np.testing.assert_allclose(levels[0].to_numpy(), volume.to_numpy(), rtol=1e-6)
     with pytest.raises(vog.Error, match="no field"):
         vog.from_yt(ds, "nothing")
+
+
+def test_yt_octrees_and_particles_need_a_level():
+    yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
+    leaves = {("stream", "density"): (np.arange(1.0, 65).reshape(64, 1), "g/cm**3")}
+    tree = yt.load_octree(octree_mask=np.array([8] + [0] * 8, np.uint8), data=leaves, bbox=np.array([[0, 1.0]] * 3), num_zones=2)
+    with pytest.raises(vog.Error, match="or level= for a covering grid"):
+        vog.from_yt(tree, "density")
+    with pytest.raises(vog.Error, match="level 2, expected 0 to 1"):
+        vog.from_yt(tree, "density", level=2)
+    cover = np.asarray(tree.covering_grid(1, left_edge=tree.domain_left_edge, dims=[4] * 3)["density"])
+    np.testing.assert_allclose(vog.from_yt(tree, "density", level=1, unit="g/cm**3").to_numpy(), cover, rtol=1e-6)
+    places = {f"particle_position_{axis}": np.random.default_rng(k).random(500) for k, axis in enumerate("xyz")}
+    particles = yt.load_particles({**places, "particle_mass": np.ones(500)}, length_unit="kpc", mass_unit="Msun", bbox=np.array([[0, 1.0]] * 3))
+    assert vog.from_yt(particles, ("deposit", "all_density"), level=3, unit="Msun/kpc**3").to_numpy().sum() == pytest.approx(500 * 8**3, rel=1e-5)
 
 
 def test_yt_lengths_convert_in_every_direction():
