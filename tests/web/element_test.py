@@ -223,6 +223,20 @@ class Words(ElementTest):
         self.assertEqual(self.value("errors()"), [])
         self.assertIn("A plume", self.value("canvas().getAttribute('aria-label')"))
 
+    def test_a_canvas_has_its_label_before_its_first_picture(self):
+        self.host('<vog-view src="plume.vogz"></vog-view>')
+        heard = self.value("""new Promise((resolve) => {
+            const second = document.createElement('vog-view');
+            second.setAttribute('label', 'Early');
+            second.setAttribute('src', 'plume.vogz');
+            new MutationObserver(() => {
+              const canvas = second.shadowRoot.querySelector('canvas');
+              if (canvas) resolve([canvas.getAttribute('aria-label'), second.shadowRoot.querySelector('#described').textContent]);
+            }).observe(second.shadowRoot, { childList: true });
+            document.body.append(second);
+        })""")
+        self.assertRegex(heard[0], "^Early[.]")
+
     def test_words_that_cannot_be_are_named(self):
         self.host('<vog-view src="plume.vogz" tf="no-such-map" range="a,b" show="volume"></vog-view>')
         lines = self.value("errors().map(({ message }) => message)")

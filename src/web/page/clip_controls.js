@@ -99,7 +99,7 @@ export class ClipControls {
       find('planes').replaceChildren(...this.rows.map(({ all }) => all));
     }
     planes.forEach(({ normal, offset, on }, n) => {
-      const row = this.rows[n], extent = reach(normal, box), side = sideOf(normal), at = numberText(offset / length(normal));
+      const row = this.rows[n], extent = reach(normal, box), side = sideOf(normal), at = numberText(offset / length(normal), (0.01 * extent) / length(normal));
       row.on.checked = on;
       row.side.value = side;
       row.side.lastChild.hidden = side !== 'tilted';

@@ -258,8 +258,9 @@ export class Editor {
       context.fill();
     });
     const [value, opacity] = transfer.opacity[this.first], [to] = transfer.opacity[this.last];
-    const which = this.first === this.last ? `point ${this.first + 1} of ${points.length}: value ${numberText(value)}`
-      : `points ${this.first + 1} to ${this.last + 1} of ${points.length}: values ${numberText(value)} to ${numberText(to)}`;
+    const [low, high] = [transfer.opacity[0][0], transfer.opacity.at(-1)[0]], text = (v) => numberText(v, 0.01 * (high - low));
+    const which = this.first === this.last ? `point ${this.first + 1} of ${points.length}: value ${text(value)}`
+      : `points ${this.first + 1} to ${this.last + 1} of ${points.length}: values ${text(value)} to ${text(to)}`;
     canvas.setAttribute('aria-valuetext', `${which}, opacity ${numberText(opacity)}`);
   }
 }

@@ -271,6 +271,7 @@ export function elementOf(given) {
       canvas.tabIndex = 0;
       canvas.setAttribute('role', 'img');
       canvas.setAttribute('aria-describedby', 'described');
+      this.#name(canvas, page);
       this.shadowRoot.prepend(canvas);
       const view = this.#view = new Viewer(canvas, { page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models, panel }, {
         say: (text, seconds) => this.#warn(text, seconds), fail: (text) => this.#fail(text), resized: () => this.#resized(canvas), playing: () => false,
@@ -353,13 +354,17 @@ export function elementOf(given) {
       this.#tell('error', { message: text, fatal: true });
     }
 
+    /** Names the canvas for those who hear it, before its first picture too. */
+    #name(canvas, { title }) {
+      canvas.setAttribute('aria-label', `${this.label || title}. Drag or press arrow keys to turn, pinch or press W and S to come nearer.`);
+    }
     /** What is seen, for those who hear it. */
     #describe() {
       const view = this.#view;
       if (!view) return;
       const { show, field, camera, map } = view.state, name = shows(view.model).find(([one]) => one === show)[1], of = show === 'T' || show === 'column' ? '' : ` of ${view.model.fields[field]?.name}`;
       const from = camera.eye.map((v, k) => numberText(v - camera.at[k])).join(', ');
-      view.canvas.setAttribute('aria-label', `${this.label || view.page.title}. Drag or press arrow keys to turn, pinch or press W and S to come nearer.`);
+      this.#name(view.canvas, view.page);
       this.#described.textContent = `${name}${of} in ${map}, ${view.count.toLocaleString('en')} Gaussians, seen from ${from}.`;
     }
   }
