@@ -16,9 +16,9 @@ namespace vog {
 
 /// Attribute of particles, one number each: a mass, a temperature.
 struct PointAttribute {
-    std::string name;         ///< name of the column or of the grid's attribute
-    BigVector<float> value;   ///< [N] numbers of the file divided by `unit`; NaN: missing
-    double unit = 1;          ///< power of ten > 1 where the file has numbers beyond float's range
+    std::string name;        ///< name of the column or of the grid's attribute
+    BigVector<float> value;  ///< [N] numbers of the file divided by `unit`; NaN: missing
+    double unit = 1;  ///< power of ten where the file's numbers are beyond or below float's range
     std::string unit_name{};  ///< unit of the file's numbers: "K"; empty: not known
 };
 

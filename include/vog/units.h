@@ -13,6 +13,8 @@ struct LengthUnit {
 };
 /// A unit of length by its name, those of OME, FITS and programs: "um", "kpc"; null: none of them.
 const LengthUnit* length_unit(const std::string& name);
+/// The name under which length_unit has a unit: "um" for "µm", "micron" and "micrometer"; other names as they are.
+std::string length_unit_name(const std::string& unit);
 
 /// Factor from numbers in one unit to numbers in another: 3.0856775814913673e21 from "kpc" to "cm". Units are products of names
 /// with whole exponents (cm2, cm^-2, cm**2, cm²), apart by blanks, * or ., and divided by what follows a /, and may have a number in front. Names that are not known,

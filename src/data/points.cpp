@@ -84,10 +84,15 @@ void append(Points& points, const Points& other) {
         for (std::size_t n = first; n < values.size(); ++n)
             values[n] = static_cast<float>(factor * double{values[n]});
     };
+    const auto is_zero = [](const PointAttribute& attribute) {  // in any unit
+        return std::ranges::none_of(attribute.value, [](float v) { return std::abs(v) > 0; });
+    };
     for (std::size_t n = 0; n < points.attributes.size(); ++n) {
         PointAttribute& own = points.attributes[n];
         const PointAttribute& more = other.attributes[n];
-        const double unit = std::max(own.unit, more.unit);
+        const double unit = is_zero(own)    ? more.unit
+                            : is_zero(more) ? own.unit
+                                            : std::max(own.unit, more.unit);
         const std::size_t count = own.value.size();
         if (own.unit < unit) multiply(own.value, 0, own.unit / unit);
         append_kept(own.value, more.value);

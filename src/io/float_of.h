@@ -15,11 +15,12 @@ inline float float_of(double value, double unit = 1) {
     return static_cast<float>(scaled);
 }
 
-/// Unit in which numbers up to `largest` are floats: 1, or the power of ten of the largest.
+/// Unit in which numbers up to `largest` are floats: 1, or the power of ten of a largest that is beyond or below their range.
 inline double float_unit(double largest) {
-    return std::isfinite(largest) && largest > double{std::numeric_limits<float>::max()}
-               ? std::pow(10, std::floor(std::log10(largest)))
-               : 1;
+    using Float = std::numeric_limits<float>;
+    const bool fits = largest >= double{Float::min()} && largest <= double{Float::max()};
+    if (fits || largest == 0 || !std::isfinite(largest)) return 1;
+    return std::pow(10, std::floor(std::log10(largest)));
 }
 
 }  // namespace vog

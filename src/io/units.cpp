@@ -54,6 +54,33 @@ const LengthUnit* length_unit(const std::string& name) {
     const auto at = kUnits.find(name);
     return at == kUnits.end() ? nullptr : &at->second;
 }
+
+std::string length_unit_name(const std::string& unit) {
+    static const std::map<std::string, std::string> kOther{{"\xc2\xb5m", "um"},
+                                                           {"\xce\xbcm", "um"},
+                                                           {"\xb5m", "um"},
+                                                           {"\\u00B5m", "um"},
+                                                           {"micron", "um"},
+                                                           {"microns", "um"},
+                                                           {"micrometer", "um"},
+                                                           {"micrometre", "um"},
+                                                           {"\xc3\x85", "Angstrom"},
+                                                           {"\xe2\x84\xab", "Angstrom"},
+                                                           {"\xc5", "Angstrom"},
+                                                           {"\\u00C5", "Angstrom"},
+                                                           {"angstrom", "Angstrom"},
+                                                           {"nanometer", "nm"},
+                                                           {"millimeter", "mm"},
+                                                           {"centimeter", "cm"},
+                                                           {"meter", "m"},
+                                                           {"inch", "in"},
+                                                           {"ua", "au"},
+                                                           {"AU", "au"},
+                                                           {"lyr", "ly"}};
+    const auto at = kOther.find(unit);
+    return at == kOther.end() ? unit : at->second;
+}
+
 namespace {
 
 /// A product of powers of dimensions: "m", "kg", "s", or names that are not known.

@@ -125,7 +125,9 @@ void set_unit(const PointHead& head, const std::vector<std::size_t>& vectors,
     for (std::size_t n = 0; n < 3 && !head.names.empty(); ++n)
         for (const std::string& text : {head.units[vectors[n]], unit_in(head.units[vectors[n]]),
                                         unit_in(head.names[vectors[n]])})
-            if (length_unit(text) || unit[n].empty()) unit[n] = text;
+            if (const std::string name = length_unit_name(text);
+                length_unit(name) || unit[n].empty())
+                unit[n] = name;
     // Other words in brackets are no units.
     if (std::ranges::none_of(unit, [](const auto& u) { return length_unit(u); })) return;
     for (std::size_t n = 0; n < 3; ++n) {

@@ -134,8 +134,8 @@ struct Chunk {
     std::uint64_t first_line = 0, line_count = 0;  ///< first_line from 0
     std::uint64_t particles = 0;                   ///< number read
     std::vector<std::uint64_t> bad_lines;          ///< numbers of malformed lines, from 0
-    std::vector<double> largest;  ///< [attributes], sizes beyond float's range; empty: none
-    std::string first_fault;      ///< message about the first of them
+    std::vector<double> largest;                   ///< [attributes], finite sizes
+    std::string first_fault;                       ///< message about the first of them
 };
 
 /// Parses the particles of one chunk into their final arrays.
@@ -145,6 +145,7 @@ class ChunkReader {
         : columns_(columns), points_(points), skip_nonfinite_(skip_nonfinite) {}
 
     void read(std::string_view text, Chunk& chunk) const {
+        chunk.largest.assign(points_.attributes.size(), 0);
         for (std::uint64_t line = chunk.first_line; !text.empty(); ++line) {
             const std::string_view content = trimmed(take_line(text), columns_.separator);
             if (line < columns_.first_line || is_comment_or_empty(content, columns_.separator))
@@ -174,9 +175,8 @@ class ChunkReader {
             const auto k = static_cast<std::size_t>(role - kFirstAttribute);
             PointAttribute& attribute = points_.attributes[k];
             attribute.value[n] = float_of(value, attribute.unit);
-            if (std::abs(value) <= kLargest || !std::isfinite(value)) return;
-            chunk.largest.resize(points_.attributes.size());
-            chunk.largest[k] = std::max(chunk.largest[k], std::abs(value));
+            if (std::isfinite(value))
+                chunk.largest[k] = std::max(chunk.largest[k], std::abs(value));
         }
     }
     /// Number of a field; NaN for a missing one behind the position.
@@ -333,14 +333,13 @@ class TextReader {
         resize(points, lines - columns.first_line, columns);
         const ChunkReader reader(columns, points, options_.values.skip_nonfinite);
         read_chunks(reader);
-        // Attributes beyond float's range are read again in a unit of their size.
+        // Attributes beyond or below float's range are read again in a unit of their size.
         bool again = false;
-        for (const Chunk& chunk : chunks_)
-            for (std::size_t k = 0; k < chunk.largest.size(); ++k) {
-                double& unit = points.attributes[k].unit;
-                unit = std::max(unit, float_unit(chunk.largest[k]));
-                again |= unit > 1;
-            }
+        for (std::size_t k = 0; k < points.attributes.size(); ++k) {
+            double largest = 0;
+            for (const Chunk& chunk : chunks_) largest = std::max(largest, chunk.largest[k]);
+            again |= (points.attributes[k].unit = float_unit(largest)) != 1;
+        }
         if (again) read_chunks(reader);
         close_gaps(points, chunks_, reader);
         std::uint64_t particles = 0;
@@ -352,7 +351,6 @@ class TextReader {
         vog::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t n) {
             Chunk& chunk = chunks_[n];
             chunk.particles = 0;
-            chunk.largest.clear();
             reader.read(lines_of(n), chunk);
         });
         for (const Chunk& chunk : chunks_)

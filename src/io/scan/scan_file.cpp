@@ -28,33 +28,6 @@ constexpr Format kFormats[] = {
     {".fits.gz", open_fits},  {".fits.fz", open_fits}};
 constexpr Format kFolder{"", open_tiff};
 
-/// One name for a unit of several.
-std::string unit_name(const std::string& unit) {
-    static const std::map<std::string, std::string> kOther{{"\xc2\xb5m", "um"},
-                                                           {"\xce\xbcm", "um"},
-                                                           {"\xb5m", "um"},
-                                                           {"\\u00B5m", "um"},
-                                                           {"micron", "um"},
-                                                           {"microns", "um"},
-                                                           {"micrometer", "um"},
-                                                           {"micrometre", "um"},
-                                                           {"\xc3\x85", "Angstrom"},
-                                                           {"\xe2\x84\xab", "Angstrom"},
-                                                           {"\xc5", "Angstrom"},
-                                                           {"\\u00C5", "Angstrom"},
-                                                           {"angstrom", "Angstrom"},
-                                                           {"nanometer", "nm"},
-                                                           {"millimeter", "mm"},
-                                                           {"centimeter", "cm"},
-                                                           {"meter", "m"},
-                                                           {"inch", "in"},
-                                                           {"ua", "au"},
-                                                           {"AU", "au"},
-                                                           {"lyr", "ly"}};
-    const auto at = kOther.find(unit);
-    return at == kOther.end() ? unit : at->second;
-}
-
 const Format* format_of(const std::filesystem::path& file) {
     std::string extension = lower_extension(file);
     if (extension == ".gz" || extension == ".fz")
@@ -123,8 +96,8 @@ std::vector<std::string> frame_names(std::uint64_t frames, std::uint64_t channel
 
 bool have_common_unit(const std::vector<std::string>& units) {
     for (const std::string& unit : units)
-        if (unit_name(unit) != unit_name(units[0]) &&
-            !(length_unit(unit_name(unit)) && length_unit(unit_name(units[0]))))
+        if (length_unit_name(unit) != length_unit_name(units[0]) &&
+            !(length_unit(length_unit_name(unit)) && length_unit(length_unit_name(units[0]))))
             return false;
     return true;
 }
@@ -135,16 +108,17 @@ void set_units(const std::filesystem::path& file, const std::vector<std::string>
     std::erase(stated, "");
     // Beside an axis without a unit, others must need no conversion: then lengths are plain numbers.
     const bool whole = stated.size() == units.size();
-    const bool equal = std::ranges::all_of(
-        stated, [&](const std::string& unit) { return unit_name(unit) == unit_name(stated[0]); });
+    const bool equal = std::ranges::all_of(stated, [&](const std::string& unit) {
+        return length_unit_name(unit) == length_unit_name(stated[0]);
+    });
     if (whole ? !have_common_unit(units) : !equal)
         throw Error(fmt::format("{}: axes in units '{}', expected one unit, or units of length",
                                 file.string(),
                                 printable(fmt::format("{}", fmt::join(units, ", ")), 80)));
     if (!whole || units.empty()) return;
-    grid.length_unit = unit_name(units[0]);
+    grid.length_unit = length_unit_name(units[0]);
     for (std::size_t n = 1; n < std::min<std::size_t>(units.size(), 3); ++n) {
-        const std::string unit = unit_name(units[n]);
+        const std::string unit = length_unit_name(units[n]);
         if (unit == grid.length_unit) continue;
         const LengthUnit own = *length_unit(unit), common = *length_unit(grid.length_unit);
         const int power = own.power - common.power;

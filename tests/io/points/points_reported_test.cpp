@@ -1,4 +1,5 @@
 // points_reported_test.cpp: text files that people report against other readers: headers, counts, line ends, separators, units.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -227,11 +228,37 @@ TEST(points_reported, numbers_beyond_floats_have_a_unit) {
     }
 }
 
+/// Masses of molecules in solar masses are below it; zeros have every unit.
+TEST(points_reported, numbers_below_floats_have_a_unit) {
+    const TempDir dir;
+    write_bytes(dir / "m.csv", "x,y,z,m,n\n1,2,3,2e-57,1e-50\n1,2,4,-3e-58,7\n");
+    write_bytes(dir / "n.csv", "x,y,z,m,n\n1,2,5,0,0\n");
+    for (const char* first : {"m.csv", "n.csv"}) {
+        const std::vector<std::filesystem::path> files{dir / first,
+                                                       dir / (first[0] == 'm' ? "n.csv" : "m.csv")};
+        std::vector<std::string> notes;
+        const Points points = read_points(files, {}, &notes);
+        EXPECT_NEAR(points.attributes[0].unit / 1e-57, 1, 1e-12);
+        EXPECT_EQ(points.attributes[1].unit, 1) << "1e-50 is nothing beside 7";
+        BigVector<float> masses = point_values(points, "m");
+        std::ranges::sort(masses);
+        EXPECT_EQ(masses, (BigVector<float>{-0.3f, 0, 2}));
+        ASSERT_EQ(notes.size(), 1u);
+        EXPECT_NE(notes[0].find("'m' is divided by 1e-57"), std::string::npos) << notes[0];
+        write_points(dir / "again.csv", points);
+        EXPECT_NEAR(read_points(dir / "again.csv").attributes[0].unit / 1e-57, 1, 1e-12);
+    }
+}
+
 TEST(points_reported, positions_have_the_unit_of_their_columns) {
     const TempDir dir;
     write_bytes(dir / "a.csv", "X [kpc],Y [kpc],Z [kpc]\n1,2,3\n");
     write_bytes(dir / "b.csv", "X [Mpc],Y [Mpc],Z [Mpc]\n1,2,3\n");
     EXPECT_EQ(read_points(dir / "a.csv").length_unit, "kpc");
+    for (const char* name : {"um", "\xc2\xb5m", "\xce\xbcm", "micron"}) {
+        write_bytes(dir / "u.csv", fmt::format("x [{0}],y [{0}],z [{0}]\n1,2,3\n", name));
+        EXPECT_EQ(read_points(dir / "u.csv").length_unit, "um") << name;
+    }
     const std::vector<std::filesystem::path> files{dir / "a.csv", dir / "b.csv"};
     EXPECT_NE(refusal([&] { read_points(files, {}, nullptr); }).find("in 'Mpc', expected 'kpc'"),
               std::string::npos);
