@@ -11,8 +11,6 @@
 
 namespace vog {
 
-namespace {}  // namespace
-
 void validate(const Clipping& clip) {
     if (clip.box) {
         const Box& box = *clip.box;
