@@ -93,6 +93,8 @@ std::optional<SurfaceBvh::Hit> SurfaceBvh::hit(Vec3d origin, Vec3d direction,
     // Far beside the triangles, which lie within a radius of the middle.
     if (!(length(from + nearest * along) < 2)) return {};
     const double start = std::max(within.first, (nearest - 2) / speed);
+    // Behind them, or so far away that doubles lose them: Embree ends the program for such rays.
+    if (!(std::abs(start * speed - nearest) < 3)) return {};
     const Vec3f at = vec_cast<float>(from + start * speed * along), to = vec_cast<float>(along);
     RTCRayHit ray{};
     ray.ray.org_x = at.x, ray.ray.org_y = at.y, ray.ray.org_z = at.z;
