@@ -38,7 +38,7 @@ def from_yt(
 ) -> Any:
     """A field of a yt data set as Levels, one for each level of refinement, or as one covering grid.
 
-    ds              data set of yt.load: patch-based codes (Enzo, FLASH, Athena, Boxlib); with `level` also octree codes
+    ds              data set of yt.load: patch-based codes (Enzo, FLASH, Athena, Boxlib); with `level` also octree codes and particles
     field           name of the field: 'density' or ('gas', 'density'); 'volume': 1 everywhere, for fields of any sign
     fields          names of further fields, in their own units, 'velocity' for the vector of three: the result is then a pair of
                     data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save

@@ -90,9 +90,9 @@ void append(Points& points, const Points& other) {
     for (std::size_t n = 0; n < points.attributes.size(); ++n) {
         PointAttribute& own = points.attributes[n];
         const PointAttribute& more = other.attributes[n];
-        const double unit = is_zero(own)    ? more.unit
-                            : is_zero(more) ? own.unit
-                                            : std::max(own.unit, more.unit);
+        const double unit = own.unit == more.unit || is_zero(more) ? own.unit
+                            : is_zero(own)                         ? more.unit
+                                                                   : std::max(own.unit, more.unit);
         const std::size_t count = own.value.size();
         if (own.unit < unit) multiply(own.value, 0, own.unit / unit);
         append_kept(own.value, more.value);
