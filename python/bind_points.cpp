@@ -66,7 +66,7 @@ The arrays are views of the particles' memory: writing to them changes the parti
             },
             py::arg("file"), py::kw_only(), py::arg("columns") = std::vector<std::string>{},
             py::arg("grid") = "", py::arg("skip_nonfinite") = false,
-            R"(Reads particles from text (.xyz, .extxyz, .pts, .asc, .txt, .dat, .csv, .tsv), a PointDataGrid (.vdb) or a snapshot (.hdf5). Returns Points.
+            R"(Reads particles from text (.xyz, .extxyz, .pts, .asc, .txt, .dat, .csv, .ecsv, .tsv), a PointDataGrid (.vdb) or a snapshot (.hdf5). Returns Points.
 
 file     a path, or a list of paths that are read as one: the parts of a snapshot
 columns  text files: the columns of x, y, z, or of x, y, z, vx, vy, vz: names, or numbers from 1 as text.

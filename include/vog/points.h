@@ -96,7 +96,7 @@ std::vector<std::string> point_types(const std::filesystem::path& file);
 /// Whether a file has an extension of particles in text or of a snapshot, such as .xyz or .hdf5. A .vdb may hold either.
 bool is_points_file(const std::filesystem::path& file);
 
-/// Reads particles from text (.xyz, .extxyz, .pts, .asc, .txt, .dat, .csv, .tsv; each also with .gz), a PointDataGrid (.vdb) or
+/// Reads particles from text (.xyz, .extxyz, .pts, .asc, .txt, .dat, .csv, .ecsv, .tsv; each also with .gz), a PointDataGrid (.vdb) or
 /// a snapshot (.hdf5).
 ///   text  fields between blanks, commas, semicolons or tabs, whichever the lines have. '#', '%' and '//' begin comments; lines
 ///         end in LF, CR LF or CR. A line above the particles, or a comment, names the columns. The number of particles may stand

@@ -12,7 +12,7 @@ from ._readers import from_yt
 from ._vtk_files import read_vtk
 
 _MODELS = (".ply", ".vogz", ".spz", ".glb", ".usda", ".usdc", ".usd")
-_PARTICLES = (".xyz", ".extxyz", ".pts", ".asc", ".csv", ".tsv", ".dat", ".txt")
+_PARTICLES = (".xyz", ".extxyz", ".pts", ".asc", ".csv", ".ecsv", ".tsv", ".dat", ".txt")
 
 
 class Kind(NamedTuple):

@@ -79,7 +79,8 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
         throw Error(fmt::format("{}: {}", file, advice));
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
-        ".mhd, .raw, .tif or .fits (volume), .hdf5, .xyz, .extxyz, .pts, .asc, .csv, .tsv, .dat or "
+        ".mhd, .raw, .tif or .fits (volume), .hdf5, .xyz, .extxyz, .pts, .asc, .csv, .ecsv, .tsv, "
+        ".dat or "
         ".txt (particles), .ply, .vogz or .json (model, index of models), .spz, .glb, .usda, "
         "or .usd (splats); or a file that Python reads: python3 -m vog COMMAND FILE",
         file, extension));

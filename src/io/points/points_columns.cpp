@@ -180,8 +180,8 @@ std::string text_extension(const std::filesystem::path& file) {
 }
 
 bool is_text(const std::filesystem::path& file) {
-    constexpr std::string_view kExtensions[] = {".xyz", ".extxyz", ".pts", ".asc",
-                                                ".txt", ".dat",    ".csv", ".tsv"};
+    constexpr std::string_view kExtensions[] = {".xyz", ".extxyz", ".pts",  ".asc", ".txt",
+                                                ".dat", ".csv",    ".ecsv", ".tsv"};
     return std::ranges::find(kExtensions, text_extension(file)) != std::end(kExtensions);
 }
 
@@ -190,7 +190,7 @@ char own_separator(const std::filesystem::path& file) {
     if (is_text(file)) return extension == ".tsv" ? '\t' : extension == ".csv" ? ',' : 0;
     throw Error(
         fmt::format("{}: unknown extension '{}', expected .xyz, .extxyz, .pts, .asc, .txt, .dat, "
-                    ".csv, .tsv (also .gz), .hdf5 or .vdb",
+                    ".csv, .ecsv, .tsv (also .gz), .hdf5 or .vdb",
                     file.string(), extension));
 }
 

@@ -87,10 +87,14 @@ class HeadReader {
             const std::string_view before = text_;
             const std::string_view line = trimmed(take_line(text_), head_.separator);
             if (trimmed(line).empty()) continue;
-            if (is_comment_or_empty(line, head_.separator)) {
+            if (is_comment_or_empty(line, head_.separator) || line.front() == '\\') {
                 comments_.push_back(without_mark(line));
                 continue;
             }
+            if (line.front() == '|' && line.back() == '|')
+                throw Error(
+                    "an IPAC table, expected columns between blanks or commas: astropy makes them "
+                    "by Table.read(FILE, format='ipac').write('particles.ecsv')");
             const Fields fields = split_fields(line, head_.separator);
             if (is_count(fields)) {
                 read_count(fields.front());

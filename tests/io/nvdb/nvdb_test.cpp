@@ -41,9 +41,10 @@ Volume small_volume() {
     return volume;
 }
 
-Handle nano(const openvdb::GridBase::Ptr& grid,
+template <class Grid>
+Handle nano(const std::shared_ptr<Grid>& grid,
             nanovdb::ChecksumMode checksum = nanovdb::ChecksumMode::Partial) {
-    return nanovdb::openToNanoVDB(grid, nanovdb::StatsMode::Default, checksum);
+    return nanovdb::openToNanoVDB(*grid, nanovdb::StatsMode::Default, checksum);
 }
 
 void write(const std::filesystem::path& file, const Handle& handle, Codec codec = Codec::NONE) {

@@ -268,7 +268,7 @@ TEST(points_reported, positions_have_the_unit_of_their_columns) {
               std::string::npos);
     write_bytes(dir / "row.csv", "x,y,z,m\nkpc,kpc,kpc,Msun\n1,2,3,4\n");
     write_bytes(dir / "brackets.csv", "x,y,z\n[kpc],[kpc],[pc]\n1,2,3000\n");
-    write_bytes(dir / "table.dat",
+    write_bytes(dir / "table.ecsv",
                 "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: x, unit: kpc, datatype: float64}\n"
                 "# - {name: y, unit: \"kpc\", datatype: float64}\n# - {name: z, datatype: float64, "
                 "unit: kpc}\n"
@@ -290,7 +290,7 @@ TEST(points_reported, positions_have_the_unit_of_their_columns) {
                  "\n#   datatype: float64\n#   meta: !!omap\n#   - {ucd: pos}\n";
     write_bytes(dir / "lines.dat", lines + "# schema: astropy-2.0\nx y z\n1 2 3000\n");
     for (const char* name :
-         {"row.csv", "brackets.csv", "table.dat", "quantities.dat", "lines.dat"}) {
+         {"row.csv", "brackets.csv", "table.ecsv", "quantities.dat", "lines.dat"}) {
         const Points points = read_points(dir / name);
         EXPECT_EQ(points.length_unit, "kpc") << name;
         ASSERT_EQ(points.size(), 1u) << name;

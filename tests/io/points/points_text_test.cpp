@@ -148,6 +148,11 @@ TEST_F(points_text, every_malformed_line_is_named) {
 TEST_F(points_text, a_file_without_particles_is_refused) {
     for (const char* text : {"", "\n\n", "# x y z\n", "x y z\n", "0\nnothing\n"})
         EXPECT_EQ(refused(text), "p.xyz: no particles") << text;
+    EXPECT_EQ(
+        refused("\\fixlen = T\n| x   | y   | z   |\n| r   | r   | r   |\n| kpc | kpc | kpc |\n  1  "
+                "   2     3\n"),
+        "p.xyz: an IPAC table, expected columns between blanks or commas: astropy makes them by "
+        "Table.read(FILE, format='ipac').write('particles.ecsv')");
     EXPECT_NE(error_of([&] { read_points(dir_ / "absent.xyz"); }).find("absent.xyz: no such file"),
               std::string::npos);
 }
