@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/units.h"
 
 namespace vog::particles {
 
@@ -103,7 +104,16 @@ BigVector<double> adaptive_radii(const Points& points, const PointGrid& grid,
 }
 
 BigVector<double> smoothing_radii(const Points& points, const SmoothingRadius& smoothing) {
-    const double share = std::sqrt(3.0 / 40) * smoothing.factor;
+    const std::string unit = point_value_unit(points, smoothing.name);
+    std::optional<double> in_positions = 1;
+    if (!unit.empty() && !points.length_unit.empty())
+        in_positions = unit_factor(unit, points.length_unit);
+    if (!in_positions)
+        throw Error(
+            fmt::format("{}: '{}' in '{}', expected a length as positions in '{}' (--radius "
+                        "adaptive measures the distances of neighbours instead)",
+                        name_of(points), smoothing.name, unit, points.length_unit));
+    const double share = std::sqrt(3.0 / 40) * smoothing.factor * *in_positions;
     const BigVector<float> values = point_values(points, smoothing.name);
     BigVector<double> radius;
     resize_kept(radius, values.size());

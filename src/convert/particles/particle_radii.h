@@ -15,8 +15,9 @@ namespace vog::particles {
 BigVector<double> adaptive_radii(const Points& points, const PointGrid& grid,
                                  const PointOptions& options, const std::optional<Box>& period);
 
-/// Standard deviations of cubic splines that end at the radii of an attribute, world units [N].
-/// throws  vog::Error for a radius that is not above 0
+/// Standard deviations of cubic splines that end at the radii of an attribute, world units [N]; lengths in another unit than the
+/// positions are converted.
+/// throws  vog::Error for a radius that is not above 0, or in a unit that is no length
 BigVector<double> smoothing_radii(const Points& points, const SmoothingRadius& smoothing);
 
 }  // namespace vog::particles

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <span>
 
 #include "io/file_extension.h"
 #include "io/points/column_names.h"
@@ -118,28 +119,60 @@ std::string unit_in(const std::string& name) {
     return std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)));
 }
 
-/// Sets the unit of positions from the head. Columns of other lengths are converted to the first one's.
-void set_unit(const PointHead& head, const std::vector<std::size_t>& vectors,
-              PointColumns& columns) {
+/// What the head says of a column's unit: in a row of units, or in brackets there or behind the name.
+std::array<std::string, 3> stated_units(const PointHead& head, std::size_t column) {
+    return {unit_in(head.units[column]), head.units[column], unit_in(head.names[column])};
+}
+
+/// Unit of the three columns of a vector; columns in others are converted to the first one's.
+/// measures  whether a text is a unit of what they hold: other words in brackets are no units
+/// factor    of each column's numbers
+/// returns   empty where no column states such a unit
+template <class Measures>
+std::string unit_of_vector(const PointHead& head, std::span<const std::size_t> columns,
+                           const char* what, const char* measure, const Measures& measures,
+                           double* factor) {
     std::array<std::string, 3> unit;
-    for (std::size_t n = 0; n < 3 && !head.names.empty(); ++n)
-        for (const std::string& text : {head.units[vectors[n]], unit_in(head.units[vectors[n]]),
-                                        unit_in(head.names[vectors[n]])})
-            if (const std::string name = length_unit_name(text);
-                length_unit(name) || unit[n].empty())
+    for (std::size_t n = 0; n < 3; ++n)
+        for (const std::string& text : stated_units(head, columns[n]))
+            if (const std::string name = length_unit_name(text); measures(name) || unit[n].empty())
                 unit[n] = name;
-    // Other words in brackets are no units.
-    if (std::ranges::none_of(unit, [](const auto& u) { return length_unit(u); })) return;
+    if (std::ranges::none_of(unit, measures)) return {};
     for (std::size_t n = 0; n < 3; ++n) {
-        const std::optional<double> factor = unit_factor(unit[n], unit[0]);
-        if (!factor)
+        const std::optional<double> to_first = unit_factor(unit[n], unit[0]);
+        if (!to_first)
             throw Error(
-                fmt::format("columns of positions in units '{}', expected one unit, or units of "
-                            "length",
-                            fmt::join(unit, ", ")));
-        columns.factor[n] = *factor;
+                fmt::format("columns of {} in units '{}', expected one unit, or units of {}", what,
+                            fmt::join(unit, ", "), measure));
+        factor[n] = *to_first;
     }
-    columns.length_unit = unit[0];
+    return unit[0];
+}
+
+/// Sets the units that the head states.
+void set_units(const PointHead& head, std::span<const std::size_t> vectors, PointColumns& columns) {
+    if (head.names.empty()) return;
+    const auto is_length = [](const std::string& unit) { return length_unit(unit) != nullptr; };
+    const auto is_speed = [](const std::string& unit) {
+        return unit_factor(unit, "m/s").has_value();
+    };
+    columns.length_unit = unit_of_vector(head, vectors.first(3), "positions", "length", is_length,
+                                         columns.factor.data());
+    if (columns.has_velocity)
+        columns.velocity_unit = unit_of_vector(head, vectors.subspan(3), "velocities", "speed",
+                                               is_speed, &columns.factor[kFirstVelocity]);
+    // A row of words is one of units if it has those of the positions.
+    const bool row =
+        !columns.length_unit.empty() ||
+        std::ranges::all_of(vectors.first(3), [&](std::size_t n) { return head.units[n].empty(); });
+    for (std::size_t n = 0; n < columns.role.size(); ++n) {
+        if (columns.role[n] < kFirstAttribute) continue;
+        const auto [inside, whole, behind] = stated_units(head, n);
+        columns.attribute_units[static_cast<std::size_t>(columns.role[n] - kFirstAttribute)] =
+            printable(!row || whole.empty() ? behind
+                      : inside.empty()      ? whole
+                                            : inside);
+    }
 }
 
 /// Roles of the columns. Columns of text are allowed, and skipped, below a header or in chemistry's format.
@@ -153,7 +186,6 @@ void set_roles(const PointHead& head, const PointReadOptions& options, bool scan
         columns.role[vectors[n]] = static_cast<int>(n);
     }
     columns.has_velocity = vectors.size() == 6;
-    set_unit(head, vectors, columns);
     const bool may_be_text = !head.names.empty() || head.count;
     for (std::size_t n = 0; n < columns.role.size(); ++n) {
         if (columns.role[n] != kSkipped) continue;
@@ -170,6 +202,8 @@ void set_roles(const PointHead& head, const PointReadOptions& options, bool scan
         columns.role[n] = kFirstAttribute + static_cast<int>(columns.attributes.size());
         columns.attributes.push_back(std::move(name));
     }
+    columns.attribute_units.resize(columns.attributes.size());
+    set_units(head, vectors, columns);
 }
 
 }  // namespace

@@ -20,12 +20,13 @@ struct PointColumns {
     char separator = 0;     ///< 0: blanks
     std::vector<int> role;  ///< [columns]
     bool has_velocity = false;
-    std::string length_unit{};              ///< of positions; empty: not known
-    std::array<double, 3> factor{1, 1, 1};  ///< on numbers of each axis
-    std::vector<std::string> attributes;    ///< names
-    std::uint64_t first_line = 0;           ///< number of the first particle's line, from 0
-    std::optional<std::uint64_t> count;     ///< number of particles that the file states
-    std::uint64_t count_line = 0;           ///< number of its line, from 0
+    std::string length_unit{}, velocity_unit{};  ///< of positions and velocities; empty: not known
+    std::array<double, kFirstAttribute> factor{1, 1, 1, 1, 1, 1};  ///< on numbers of each axis
+    std::vector<std::string> attributes;                           ///< names
+    std::vector<std::string> attribute_units;  ///< [attributes]; empty texts: not known
+    std::uint64_t first_line = 0;              ///< number of the first particle's line, from 0
+    std::optional<std::uint64_t> count;        ///< number of particles that the file states
+    std::uint64_t count_line = 0;              ///< number of its line, from 0
     bool may_be_title = false;  ///< the first particle's line may be a title: `count` decides
     std::string note{};         ///< columns that their places name; empty: none
 };

@@ -133,17 +133,26 @@ class HeadReader {
         return next.size() == fields.size() &&
                (fields.front().empty() || !std::ranges::all_of(next, is_whole));
     }
-    /// Whether a line below the names is a particle without a position: NA or the like stands there.
+    /// Whether a line below the names is a particle without a position: NA or the like, or no word that may be a unit.
     bool lacks_position(const Fields& fields) const {
         for (const auto* lines : {&headers_, &comments_})
             for (const std::string_view line : *lines) {
                 const Fields names = header_fields(line);
                 if (!names_position(names)) continue;
                 for (const std::size_t n : position_columns({names.begin(), names.end()}))
-                    if (n < fields.size() && !fields[n].empty() && is_missing(fields[n]))
+                    if (n < fields.size() && !fields[n].empty() &&
+                        (is_missing(fields[n]) || !may_be_unit(fields[n])))
                         return true;
             }
         return false;
+    }
+    /// "kpc", "[10^3 km]" or "µm", but not a number written otherwise, such as "$1", "1'000", "***" or "−1.5" with a long minus.
+    static bool may_be_unit(std::string_view field) {
+        constexpr std::string_view kDigits = "0123456789";
+        if (std::string_view("[(").find(field.front()) != field.npos) return true;
+        const bool begins = (field.front() | 0x20) >= 'a' && (field.front() | 0x20) <= 'z';
+        return begins || (static_cast<unsigned char>(field.front()) >= 0x80 &&
+                          field.find_first_of(kDigits) == field.npos);
     }
     static bool is_header(const Fields& fields) {
         if (names_position(fields)) return true;

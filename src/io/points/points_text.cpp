@@ -168,7 +168,7 @@ class ChunkReader {
     std::string fault(std::string_view line) const;
     void put(int role, std::uint64_t n, double value, Chunk& chunk) const {
         if (role < kFirstVelocity) {
-            points_.position[n][role] = value * columns_.factor[static_cast<std::size_t>(role)];
+            points_.position[n][role] = value;
         } else if (role < kFirstAttribute) {
             points_.velocity[n][role - kFirstVelocity] = float_of(value);
         } else {
@@ -206,7 +206,9 @@ bool ChunkReader::read_particle(std::string_view line, std::uint64_t n, Chunk& c
         const std::string_view field = take_field(line, columns_.separator);
         if (role == kSkipped) continue;
         double value;
-        if (!parse(role, field, value) || !fits(role, value)) return false;
+        if (!parse(role, field, value)) return false;
+        if (role < kFirstAttribute) value *= columns_.factor[static_cast<std::size_t>(role)];
+        if (!fits(role, value)) return false;
         put(role, n, value, chunk);
     }
     // Separators may follow the last column.
@@ -328,7 +330,9 @@ class TextReader {
         Points points;
         points.source = printable(path_.string());
         points.length_unit = columns.length_unit;
-        for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
+        points.velocity_unit = columns.velocity_unit;
+        for (std::size_t k = 0; k < columns.attributes.size(); ++k)
+            points.attributes.push_back({columns.attributes[k], {}, 1, columns.attribute_units[k]});
         const std::uint64_t lines = chunks_.back().first_line + chunks_.back().line_count;
         resize(points, lines - columns.first_line, columns);
         const ChunkReader reader(columns, points, options_.values.skip_nonfinite);

@@ -134,6 +134,18 @@ TEST(periodic, a_mesh_states_its_domain_where_its_coarsest_cells_fill_it) {
     EXPECT_TRUE(domain_box({&cube, 1}).empty());
 }
 
+TEST(smoothing, radii_in_another_unit_than_the_positions_are_converted) {
+    Points points;
+    points.position = {{0, 0, 0}, {40, 0, 0}};
+    points.length_unit = "kpc";
+    points.attributes = {{"hsml", {2, 3}, 1, "kpc"}};
+    const Gaussians in_kpc = convert_points(points, {.smoothing = "hsml"});
+    points.attributes[0] = {"hsml", {2000, 3000}, 1, "pc"};
+    EXPECT_FLOAT_EQ(convert_points(points, {.smoothing = "hsml"}).scale[1].x, in_kpc.scale[1].x);
+    points.attributes[0].unit_name = "s";
+    EXPECT_THROW((void)convert_points(points, {.smoothing = "hsml"}), Error);
+}
+
 TEST(smoothing, stated_radii_have_the_variance_of_cubic_splines) {
     Points points = scattered(3);
     points.attributes = {{"SmoothingLength", {1, 2, 3}}};

@@ -87,6 +87,31 @@ TEST_F(points_text, names_in_the_header_choose_the_columns) {
               "--columns");
 }
 
+TEST_F(points_text, every_column_has_the_unit_that_the_head_states) {
+    const Points brackets = read(
+        "x [kpc],y [kpc],z [kpc],vx [km/s],vy [m/s],vz [km/s],m [g]\n1,2,3,4,5000,6,7\n", "p.csv");
+    EXPECT_EQ(brackets.velocity[0], (Vec3f{4, 5, 6}));
+    EXPECT_EQ(point_value_unit(brackets, "speed"), "km/s");
+    EXPECT_EQ(point_value_unit(brackets, "m [g]"), "g");
+    const Points row = read("x,y,z,m,T\nkpc,kpc,kpc,[Msun],\n1,2,3,4,5\n", "p.csv");
+    EXPECT_EQ(point_value_unit(row, "m"), "Msun");
+    EXPECT_EQ(point_value_unit(row, "T"), "");
+    EXPECT_EQ(point_value_unit(read("x,y,z,m\nfirst,second,third,last\n1,2,3,4\n", "p.csv"), "m"),
+              "")
+        << "words, not units";
+    EXPECT_EQ(refused("x,y,z,vx [km/s],vy [m],vz [km/s]\n1,2,3,4,5,6\n", "p.csv"),
+              "p.csv: columns of velocities in units 'km/s, m, km/s', expected one unit, or units "
+              "of speed");
+}
+
+TEST_F(points_text, a_first_line_of_other_numbers_is_no_row_of_units) {
+    for (const char* number :
+         {"***", "1.5-120", "1'234.5", "$1", "1_000", "1km", "0x1", "\u22121.5"})
+        EXPECT_EQ(refused(fmt::format("x;y;z\n{0};{0};{0}\n1;2;3\n", number), "p.csv"),
+                  fmt::format("p.csv:2: got '{}' in column 1, expected a number", number));
+    EXPECT_EQ(read("x,y,z\n[kpc],\u00b5m,mm\n1,2,3\n", "p.csv").size(), 1u);
+}
+
 TEST_F(points_text, columns_are_chosen_by_name_or_number) {
     const std::string text = "id,ra,dec,r\n1,2,3,4\n5,6,7,8\n";
     const Points points = read(text, "p.csv", {{"ra", "dec", "4"}, {}});
