@@ -96,7 +96,7 @@ Mat3 whitening(const Gaussians& gaussians, std::size_t i);
 
 /// Appends `other`. The result has rotations if either has; boxes are united, source_voxels added,
 /// texts that differ joined by " + ". Models of different origins get the model_origin of both.
-/// throws  vog::Error if the cutoffs differ, or as set_origin does for models too far apart
+/// throws  vog::Error if the cutoffs or the units of length differ, or as set_origin does for models too far apart
 void append(Gaussians& gaussians, const Gaussians& other);
 /// Copies some Gaussians, with the model's origin, cutoff, box, source, method and options.
 /// index   places in the model, [0, N), in the order of the result; repeats are allowed

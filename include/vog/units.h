@@ -22,6 +22,12 @@ std::string length_unit_name(const std::string& unit);
 /// returns  nothing where the two do not measure the same, or one is no such product
 std::optional<double> unit_factor(const std::string& from, const std::string& to);
 
+/// Checks that what is put into one space has one unit of length. A unit that is not known fits all.
+/// where, of  the places in the message: "a.nii: lengths in 'um', expected 'mm' as in b.nii"
+/// throws     vog::Error where the units differ
+void require_same_length(const std::string& unit, const std::string& where,
+                         const std::string& expected, const std::string& of);
+
 /// Text of the unit a * b^power: "g/cm3 kpc" of "g/cm3" and "kpc", "Msun/kpc2" of "Msun/kpc3" and "kpc". Names and numbers are
 /// collected in the order in which they come. Empty where a text is empty, or power is not 1 and a text is no product.
 std::string unit_product(const std::string& a, const std::string& b, int power = 1);

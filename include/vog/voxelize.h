@@ -39,11 +39,12 @@ struct VoxelizeOptions {
 struct Voxelized {
     Volume volume;                   ///< active where the support of a Gaussian has mass; no tiles
     std::vector<VoxelField> fields;  ///< at the volume's voxels, scalar ones first; empty: none
-    double mass = 0;                 ///< mass of the model, density times world volume
+    double mass = 0;  ///< mass of the model, density times world volume, without periodic images
     double voxel_mass = 0;  ///< mass of the voxels; less than `mass` only outside of the extent
 };
 
-/// Map of cubic voxels along the world's axes: the voxel at index 0 is centred on the model's origin.
+/// Map of cubic voxels along the world's axes: the voxel at index 0 is centred on the model's origin, or begins in the lower corner
+/// of its periodic box.
 /// voxel_size  edge of a voxel, world units, > 0
 /// throws      vog::Error unless voxel_size is finite and above 0
 Affine voxel_lattice(const Gaussians& model, double voxel_size);

@@ -12,6 +12,7 @@
 #include "core/paging.h"
 #include "data/fields/field_arrays.h"
 #include "vog/error.h"
+#include "vog/units.h"
 
 namespace vog {
 
@@ -137,7 +138,8 @@ Mat3 whitening(const Gaussians& gaussians, std::size_t i) {
 
 void Content::include(const Content& other) {
     if (!standing.known()) standing = other.standing;
-    if (units != other.units) units = {};
+    if (units.length != other.units.length) units.length.clear();
+    if (units.density != other.units.density) units.density.clear();
     by_value &= other.by_value;
     voxels.include(other.voxels);
     if (hull.empty() || other.hull.empty())
@@ -156,6 +158,8 @@ void append(Gaussians& gaussians, const Gaussians& other) {
             fmt::format("{}: cutoff {}, expected {} as in {}: models with different kernels "
                         "cannot be one model",
                         other.source, other.cutoff, gaussians.cutoff, gaussians.source));
+    require_same_length(other.content.units.length, other.source, gaussians.content.units.length,
+                        gaussians.source);
     BigVector<Vec3f> moved;  // means of `other`, if origins differ
     const bool same_origin = gaussians.origin == other.origin;
     if (!same_origin) {

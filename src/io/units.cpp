@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "vog/error.h"
+
 namespace vog {
 
 const LengthUnit* length_unit(const std::string& name) {
@@ -209,6 +211,14 @@ std::optional<double> unit_factor(const std::string& from, const std::string& to
     const std::optional<Product> a = parsed(from), b = parsed(to);
     if (!a || !b || a->power != b->power) return {};
     return a->factor / b->factor;
+}
+
+void require_same_length(const std::string& unit, const std::string& where,
+                         const std::string& expected, const std::string& of) {
+    if (unit.empty() || expected.empty()) return;
+    if (unit_factor(length_unit_name(unit), length_unit_name(expected)) != 1)
+        throw Error(
+            fmt::format("{}: lengths in '{}', expected '{}' as in {}", where, unit, expected, of));
 }
 
 std::string unit_product(const std::string& a, const std::string& b, int power) {

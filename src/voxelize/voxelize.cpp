@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "vog/error.h"
 #include "vog/levels.h"
+#include "vog/periodic.h"
 #include "vog/text.h"
 #include "voxelize/cell_integrals.h"
 
@@ -81,6 +82,26 @@ bool is_empty(const IndexBox& box) {
     return box.lower.x > box.upper.x || box.lower.y > box.upper.y || box.lower.z > box.upper.z;
 }
 
+/// Voxels whose inside a box of the lattice holds.
+IndexBox voxels_in(const Box& box) {
+    constexpr double kRounding = 1e-3;  // of a voxel, by which faces of levels may miss each other
+    IndexBox inside;
+    for (int axis = 0; axis < 3; ++axis) {
+        inside.lower[axis] = static_cast<int>(std::floor(box.lower[axis] + 0.5 + kRounding));
+        inside.upper[axis] = static_cast<int>(std::ceil(box.upper[axis] - 0.5 - kRounding));
+    }
+    return inside;
+}
+/// Box of the lattice around a box in world space.
+Box lattice_box(const Affine& index_from_world, const Box& world) {
+    Box box;
+    for (int corner = 0; corner < 8; ++corner)
+        box.include(index_from_world({(corner & 1 ? world.upper : world.lower).x,
+                                      (corner & 2 ? world.upper : world.lower).y,
+                                      (corner & 4 ? world.upper : world.lower).z}));
+    return box;
+}
+
 /// Voxels of one block that have mass.
 struct BlockVoxels {
     std::vector<Leaf> leaves;
@@ -117,10 +138,14 @@ class Voxelizer {
         result_.volume.name = options.name;
         result_.volume.source = model.source;
         result_.volume.world_from_index = world_from_index;
-        result_.mass = vog::mass(model);
+        result_.mass = mass_without_images(model);
         if (!(result_.mass > 0))
             throw Error(fmt::format("{}: no mass, expected Gaussians of density > 0", where_));
         if (options.fields) make_fields();
+        if (const std::optional<Box> period = periodic_box(model)) {
+            const IndexBox inside = voxels_in(lattice_box(index_from_world_, *period));
+            options_.extent = options.extent ? common(inside, *options.extent) : inside;
+        }
         limit_ = options.most_bytes ? options.most_bytes
                  : memory_limited() ? std::numeric_limits<std::uint64_t>::max()
                                     : available_memory() / 2;
@@ -401,7 +426,7 @@ class Voxelizer {
 
     const Gaussians& model_;
     std::string where_;
-    const VoxelizeOptions& options_;
+    VoxelizeOptions options_;
     Affine world_from_index_, index_from_world_;
     double cell_;  // volume of a voxel, world units
     std::uint64_t limit_ = 0, leaf_bytes_ = 0;
@@ -419,14 +444,15 @@ Affine voxel_lattice(const Gaussians& model, double voxel_size) {
     if (!(voxel_size > 0) || !std::isfinite(voxel_size))
         throw Error(
             fmt::format("voxel size {}, expected a finite number > 0, in world units", voxel_size));
-    return affine_from_voxels({voxel_size, voxel_size, voxel_size}, model.origin);
+    const Vec3d edges{voxel_size, voxel_size, voxel_size};
+    const std::optional<Box> period = periodic_box(model);
+    return affine_from_voxels(edges, period ? period->lower + 0.5 * edges : model.origin);
 }
 
 Affine lattice_like(std::span<const Volume> volumes, std::optional<IndexBox>* extent) {
     if (volumes.empty()) throw Error("no volume, expected one with the lattice");
     const Affine lattice = volumes[finest_first(volumes).front()].world_from_index;
     if (!extent) return lattice;
-    constexpr double kRounding = 1e-3;  // of a voxel, by which faces of levels may miss each other
     const Affine index_from_world = inverse(lattice);
     Box box;
     for (const Volume& volume : volumes) {
@@ -438,11 +464,7 @@ Affine lattice_like(std::span<const Volume> volumes, std::optional<IndexBox>* ex
             box.include(index_from_world(volume.world_from_index(at)));
         }
     }
-    extent->emplace();
-    for (int axis = 0; axis < 3; ++axis) {
-        (*extent)->lower[axis] = static_cast<int>(std::floor(box.lower[axis] + 0.5 + kRounding));
-        (*extent)->upper[axis] = static_cast<int>(std::ceil(box.upper[axis] - 0.5 - kRounding));
-    }
+    *extent = voxels_in(box);
     return lattice;
 }
 

@@ -83,6 +83,7 @@ ROWS = [
     ("page c.nrrd beside.nrrd -o p.html", r"(-o FOLDER/)", "+"),
     # Fields.
     ("render none.ply -o p.png --show volume", r"(vog convert VOLUME -o model.ply) makes", "{0}"),
+    ("render p.xyz -o p.png --show volume", r"\((vog convert p.xyz --field )NAME", "{0}speed -o q.ply"),
     ("render none.ply -o p.png --show mean --field heat", r"(vog convert VOLUME -o model.ply --field \S+)", None),
     ("render m.ply -o p.png --show mean --field heat", r"expected one of (\w+)", "render m.ply -o p.png --show mean --field {0}"),
     ("render m.ply -o p.png --show volume --field heat", r"\(scalar fields: (\w+)", "render m.ply -o p.png --show volume --field {0}"),

@@ -155,7 +155,7 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
     must_fail(
         1, "render model.ply -o p.png --show volume",
         "model.ply: --show volume needs a scalar field, and the model has none; vog convert VOLUME "
-        "-o model.ply makes a model with one");
+        "-o model.ply makes a model with one, of particles with --field NAME");
     const std::string render = "render ramp.vdb -o p.png --size 8 --show volume ";
     const auto refused = [&](int code, const std::string& options, const std::string& text) {
         must_fail(code, render + options, text);

@@ -13,6 +13,7 @@
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/memory.h"
+#include "vog/periodic.h"
 #include "vog/progress.h"
 
 namespace vog::test {
@@ -337,6 +338,19 @@ TEST(voxelize, extent_leaves_the_rest_out_and_nothing_else) {
     options.extent = IndexBox{{1000, 0, 0}, {1001, 1, 1}};
     EXPECT_NE(refusal([&] { (void)voxelize(model, {}, options); }).find("no mass in the extent"),
               std::string::npos);
+}
+
+TEST(voxelize, periodic_models_have_the_voxels_of_their_box) {
+    Gaussians model = one_gaussian({0.2f, 3, 3}, {0.3f, 0.3f, 0.3f});
+    const double whole = mass(model);
+    add_periodic_images(model, {{0, 0, 0}, {6, 6, 6}});
+    ASSERT_GT(mass(model), 1.5 * whole);
+    const Voxelized made = voxelize(model, voxel_lattice(model, 0.5), {});
+    EXPECT_NEAR(made.voxel_mass, whole, 1e-4 * whole);
+    EXPECT_EQ(made.mass, whole);
+    const IndexBox box = vog::active_box(made.volume);
+    EXPECT_EQ(box.lower.x, 0);
+    EXPECT_EQ(box.upper.x, 11) << "the image behind the opposite face";
 }
 
 TEST(voxelize, gaussians_without_density_are_no_voxels) {

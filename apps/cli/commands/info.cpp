@@ -15,6 +15,7 @@
 #include "terminal/terminal.h"
 #include "vog/error.h"
 #include "vog/model_io.h"
+#include "vog/periodic.h"
 #include "vog/points.h"
 #include "vog/scan_io.h"
 #include "vog/site.h"
@@ -153,7 +154,7 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t b
             {"rotated", !model.axis_aligned()},
             {"kernel", "truncated Gaussian"},
             {"cutoff", model.cutoff},
-            {"mass", mass(model)},
+            {"mass", mass_without_images(model)},
             {"bounds", array(bounds)},
             {"box", array(model.box)},
             {"origin", array(model.origin)},
@@ -174,7 +175,7 @@ void print(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t byt
     fact("Gaussians",
          count_text(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
     fact("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
-    fact("mass", fmt::format("{:.8g} (density times world volume)", mass(model)));
+    fact("mass", fmt::format("{:.8g} (density times world volume)", mass_without_images(model)));
     if (!bounds.empty()) fact("bounds", text(bounds));
     if (!model.box.empty()) fact("data box", text(model.box));
     const Vec3d o = model.origin;

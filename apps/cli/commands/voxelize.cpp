@@ -16,6 +16,7 @@
 #include "options/parser/validators.h"
 #include "terminal/terminal.h"
 #include "vog/error.h"
+#include "vog/units.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {
@@ -43,8 +44,10 @@ Affine lattice_of(const VoxelizeArguments& arguments, const Gaussians& model,
     VolumeInputOptions rules;
     rules.grid = arguments.grid;
     rules.ones = rules.refuse_several = true;
-    return lattice_like(load_volumes({arguments.like}, rules).volumes,
-                        arguments.within ? &options.extent : nullptr);
+    const LoadedVolumes like = load_volumes({arguments.like}, rules);
+    require_same_length(model.content.units.length, model.source, like.volumes.front().units.length,
+                        arguments.like);
+    return lattice_like(like.volumes, arguments.within ? &options.extent : nullptr);
 }
 
 void check_arguments(const VoxelizeArguments& arguments, const GivenOptions& command) {

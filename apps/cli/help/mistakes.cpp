@@ -143,7 +143,7 @@ std::string with_remedy(const std::string& message) {
     std::istringstream list(message.substr(begin + start.size(), end - begin - start.size()));
     for (std::string name; std::getline(list >> std::ws, name, ',');) names.push_back(name);
     const std::string pattern = level_pattern(names);
-    if (pattern.empty()) return message;
+    if (pattern.empty() || pattern.starts_with("PartType")) return message;
     return fmt::format("{}; --grid {} reads all of them as levels", message, quoted(pattern));
 }
 

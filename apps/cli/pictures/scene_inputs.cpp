@@ -156,9 +156,10 @@ void load_voxels(const DrawingArguments& arguments, const PictureRequest& reques
 void require_field_data(const DrawingArguments& arguments, const PictureRequest& request,
                         FileKind kind) {
     if (kind == FileKind::points && shows_field(request))
-        throw Error(fmt::format("{}: holds particles; {} needs a model or a volume",
-                                arguments.inputs.front(),
-                                std::string("--show ") + word_of(request.show)));
+        throw Error(fmt::format(
+            "{0}: holds particles; --show {1} needs a model of them with a field (vog convert {0} "
+            "--field NAME -o model.ply) or a volume of their density (vog voxelize of a model)",
+            arguments.inputs.front(), word_of(request.show)));
 }
 
 }  // namespace
@@ -234,7 +235,8 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
                         printable(name), word));
     if (fields.scalar.empty())
         throw error(fmt::format("--show {} needs a scalar field, and the model has none", word),
-                    "vog convert VOLUME -o model.ply makes a model with one");
+                    "vog convert VOLUME -o model.ply makes a model with one, of particles with "
+                    "--field NAME");
     throw error(fmt::format("--show {}: no scalar field{}", word,
                             name.empty() ? " chosen" : fmt::format(" '{}'", printable(name))),
                 "expected --field NAME");

@@ -268,6 +268,8 @@ void GlSlabs::set_finish(const GlProgram& program, const GlVolume& volume, const
                                                      lattice.first.z - half}));
     const double unit = volume.model->unit();
     program.set("reach_edge", f(1 / (lattice.per_edge * unit)));
+    program.set("inside", f(lattice.direct ? lattice.inside : 0),
+                f(lattice.ambient ? lattice.inside : 0));
     const auto towards = [&](const device::Double3& direction) {
         const double cells = double{device::LightLattice::kTowardsLight} / lattice.per_edge;
         return place(cells * Vec3d{direction.x, direction.y, direction.z});

@@ -10,8 +10,10 @@
 
 #include "core/paging.h"
 #include "core/parallel.h"
+#include "data/levels/arrangement.h"
 #include "data/levels/level_clip.h"
 #include "vog/error.h"
+#include "vog/units.h"
 
 namespace vog {
 
@@ -185,6 +187,13 @@ void validate(const Levels& levels) {
                                 levels.masks.size(), levels.volumes.size()));
     for (const Volume& volume : levels.volumes) validate(volume);
     for (const Volume& mask : levels.masks) validate(mask);
+    const auto label = [](const Volume& volume) {
+        return volume_label(volume.source, volume.name);
+    };
+    for (const auto* several : {&levels.volumes, &levels.masks})
+        for (const Volume& volume : *several)
+            require_same_length(volume.units.length, label(volume),
+                                levels.volumes.front().units.length, label(levels.volumes.front()));
 }
 
 bool same_voxel_volume(double a, double b) {

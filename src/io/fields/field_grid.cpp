@@ -50,6 +50,7 @@ FieldGrid load_vdb(const FieldSource& source) {
     field.grid = loaded.grid;
     field.world_from_index = *loaded.head.world_from_index;
     field.unit = loaded.head.metadata.unit;
+    field.length_unit = loaded.head.metadata.length_unit;
     field.world_from_vector = vector_map(loaded.head.metadata, field.world_from_index, field.where);
     return field;
 }

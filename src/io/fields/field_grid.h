@@ -28,7 +28,7 @@ struct FieldGrid {
     VectorMap world_from_vector;
     bool staggered = false;  ///< component c of voxel i lies at index i - e_c / 2
     bool level_set = false;  ///< inactive voxels have a value: the sign
-    std::string name, unit;
+    std::string name, unit, length_unit{};
     std::string where;   ///< start of messages: "fire.vdb: grid 'temperature'"
     std::string note{};  ///< departures of its file from the format; empty: none
 };

@@ -12,6 +12,7 @@
 #include "io/vdb/vdb_density.h"
 #include "vog/error.h"
 #include "vog/text.h"
+#include "vog/units.h"
 #include "vog/voxel_field.h"
 
 namespace vog {
@@ -166,6 +167,8 @@ VoxelField field_files::sampled_field(const FieldGrid& grid, Volume& volume,
                                       std::span<VoxelField> others, std::vector<std::string>* notes,
                                       FieldCoverage* coverage) {
     return vdb::with_vdb_errors(grid.where, [&] {
+        require_same_length(grid.length_unit, grid.where, volume.units.length,
+                            measure_name(volume));
         const std::unique_ptr<FieldSampler> sampler = make_sampler(grid, volume);
         divide_where_varied(grid, *sampler, volume, others);
 

@@ -112,6 +112,7 @@ VoxelField sample_field(const Volume& field, const std::string& name, Volume& vo
     }
     grid.grid = values;
     grid.world_from_index = field.world_from_index;
+    grid.length_unit = field.units.length;
     grid.name = name;
     return sampled_field(grid, volume, others, notes);
 }

@@ -121,7 +121,11 @@ class Snapshot {
             try {
                 open(name);
                 const auto place = std::ranges::find_if(arrays_, &Array::is_position);
-                if (place == arrays_.end()) continue;
+                if (place == arrays_.end()) {
+                    if (std::ranges::any_of(arrays_, [](const Array& a) { return a.rows > 0; }))
+                        unplaced_.push_back(name);
+                    continue;
+                }
                 types_.particles.push_back(static_cast<double>(place->rows));
             } catch (const Error&) {  // reported when the type is chosen
                 types_.particles.push_back(0);
@@ -137,6 +141,12 @@ class Snapshot {
         if (types_.name.empty())
             fail(groups_.empty() ? "no group PartType0 to PartType9"
                                  : "no type with particles: Coordinates of 3 numbers each");
+        if (const std::string& meant = requested.empty() ? groups_.front() : requested;
+            std::ranges::count(unplaced_, meant))
+            throw Error(
+                fmt::format("{}: {} has arrays, but no Coordinates of 3 numbers each; "
+                            "expected them, or another type by --grid (it has: {})",
+                            name_, meant, fmt::join(types_.name, ", ")));
         if (requested.empty()) return open(types_.name[likely_type(name_, types_, refuse).index]);
         if (std::ranges::count(types_.name, requested)) return open(requested);
         throw Error(fmt::format("{}: {}; choose one with --grid (it has: {})", name_,
@@ -293,7 +303,8 @@ class Snapshot {
     std::filesystem::path path_;
     std::string name_;
     Handle file_;
-    std::vector<std::string> groups_;  ///< PartType0 to PartType9
+    std::vector<std::string> groups_;    ///< PartType0 to PartType9
+    std::vector<std::string> unplaced_;  ///< those with arrays, but without positions
     ParticleTypes types_;
     std::string group_name_;
     std::optional<Handle> group_;

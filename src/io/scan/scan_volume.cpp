@@ -279,6 +279,7 @@ field_files::FieldGrid load_scan_field(const FieldSource& source) {
         field.world_from_index = from.world_from_index;
         field.name = from.name;
         field.unit = from.value_unit;
+        field.length_unit = from.length_unit;
         field.where = where_of(source.file, from);
         field.note = note_of(source.file, scan);
         return field;

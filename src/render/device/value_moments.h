@@ -181,7 +181,7 @@ struct LitRay {
                          float out[4]) const {
         mean_light_of(light, m, parts, out);
         if (!lattice->any()) {
-            if (look->on) shade(*look, m, towards_eye, {nullptr, middle, 0}, out);
+            if (look->on) shade(*look, m, towards_eye, {nullptr, middle, 0, 1}, out);
             return;
         }
         const float seen = slab + (seen_at(out[3] * m.tau) - 0.5f) / parts;

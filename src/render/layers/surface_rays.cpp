@@ -180,7 +180,9 @@ SurfaceRays::SurfaceRays(const SurfaceBvh& surface, std::optional<SurfaceBvh::Co
       color_(color),
       opacity_(opacity),
       lighting_(shaded(look)),
-      lattice_(reached.lattice()) {}
+      lattice_(reached.lattice()) {
+    lattice_.inside = 0;
+}
 
 void SurfaceRays::add(Vec3d origin, Vec3d direction, Segment& within,
                       std::vector<LitPiece>& pieces) const {

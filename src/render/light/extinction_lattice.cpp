@@ -162,6 +162,9 @@ void add_in_parts(std::size_t count, ExtinctionLattice& lattice, const Add& add)
 
 }  // namespace
 
+/// Cells of empty space on each side: averages reach into the first.
+constexpr int kMargin = 2;
+
 ExtinctionLattice::ExtinctionLattice(const Box& box, int most_cells) : cells(most_cells) {
     const Vec3d extent = box.empty() ? Vec3d{} : box.upper - box.lower;
     const double longest = std::max({extent.x, extent.y, extent.z});
@@ -169,7 +172,7 @@ ExtinctionLattice::ExtinctionLattice(const Box& box, int most_cells) : cells(mos
     const Vec3d middle = box.empty() ? Vec3d{} : 0.5 * (box.lower + box.upper);
     std::size_t count = 1;
     for (int axis = 0; axis < 3; ++axis) {
-        size[axis] = static_cast<int>(std::ceil(extent[axis] / edge * (1 - 1e-9))) + 2;
+        size[axis] = static_cast<int>(std::ceil(extent[axis] / edge * (1 - 1e-9))) + 2 * kMargin;
         first[axis] = middle[axis] - 0.5 * edge * (size[axis] - 1);
         count *= static_cast<std::size_t>(size[axis]);
     }

@@ -23,12 +23,12 @@ struct ExtinctionLattice {
     Vec3d first{};            ///< centre of the first cell, world units
     double edge = 1;          ///< of a cell, world units
     int cells = 1;            ///< along the longest edge of the box
-    Vec3i size{};             ///< cells along each axis, at least 2
+    Vec3i size{};             ///< cells along each axis, at least 4
     std::vector<double> sum;  ///< [size.z][size.y][size.x] extinction, 1 / world unit
     /// [cells] the same without what clear matter beside opaque matter lets pass; empty: that is `sum`
     std::vector<double> whole{};
 
-    /// Lattice around a box, with a cell of empty space on each side.
+    /// Lattice around a box, with two cells of empty space on each side.
     /// most_cells  along the longest edge of the box
     ExtinctionLattice(const Box& box, int most_cells);
 

@@ -207,6 +207,7 @@ ExtinctionLattice extinction_of(const LitModel& model, const VolumeLook& look) {
 Illumination illumination(const ExtinctionLattice& extinction, const VolumeLook& look,
                           Vec3d forward) {
     Illumination light(extinction);
+    light.set_surfaces(look.light);
     if (look.shadows) light.set_direct(extinction, directions_of(look, forward), look.octaves);
     if (look.occlusion) light.set_ambient(extinction);
     return light;
@@ -252,6 +253,7 @@ bool KeptIllumination::update(int version, const LitModel& model, const VolumeLo
         if (look.occlusion) light_.set_ambient(*extinction_);
         changes = true;
     }
+    light_.set_surfaces(look.light);
     look_ = look, towards_ = std::move(towards);
     return changes;
 }
@@ -296,7 +298,15 @@ device::LightLattice Illumination::lattice(Vec3d origin, double unit) const {
                              unit / edge_,
                              {},
                              {},
-                             shift_};
+                             shift_,
+                             0};
+    // Octaves pass through more: 1 / (1 + inside) is the mean of theirs.
+    double whole = 0, left = 0;
+    for (int octave = 0; octave < octaves_; ++octave) {
+        const double part = std::exp2(-octave);
+        whole += part, left += part / (1 + part * device::LightLattice::kInside);
+    }
+    if (!surfaces_) out.inside = whole / left - 1;
     for (std::size_t n = 0; n < towards_.size(); ++n) {
         const Vec3d to = normalized(towards_[n]);
         out.towards[n] = {to.x, to.y, to.z};

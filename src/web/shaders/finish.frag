@@ -24,6 +24,7 @@ uniform vec3 reach_middle;      // the mean of these
 uniform vec2 reach_layers;      // lights in the texture, half a cell along z
 uniform vec3 reach_eye, reach_right, reach_up, reach_forward;  // its coordinates at the eye, and their change along the camera's axes
 uniform float reach_edge;       // of a cell
+uniform vec2 inside;            // of LightLattice, where lights and ambient light are absorbed
 uniform float first_slab;       // of before_0
 uniform vec4 gradient_part[7];  // GradientFactor: start, width and slope of each
 uniform vec4 gradient;          // its number of parts, its first factor, its share by a gradient
@@ -125,11 +126,11 @@ vec4 shaded(vec4 light, vec3 gradient, vec3 towards_eye, vec4 place) {
     if (!surface && (reaches + lighting.w == 0.0 || !(whole > 0.0))) return light;
     vec3 normal = surface ? gradient / steepness : vec3(0.0);
     if (dot(normal, towards_eye) < 0.0) normal = -normal;
-    vec2 first = shares_at(place, reach_light[0].xyz, 0);
-    float body = lighting.x * (light_count > 1 ? shares_at(place, reach_middle, 0).y : first.y), shine = 0.0;
+    vec2 left = 1.0 / (1.0 + place.w * inside), first = shares_at(place, reach_light[0].xyz, 0);
+    float body = lighting.x * left.y * (light_count > 1 ? shares_at(place, reach_middle, 0).y : first.y), shine = 0.0;
     for (int n = 0; n < light_count; ++n) {
         vec3 to = dot(lights[n].xyz, lights[n].xyz) > 0.0 ? lights[n].xyz : towards_eye, between = to + towards_eye;
-        float direct = lights[n].w * (n == 0 ? first.x : shares_at(place, reach_light[n].xyz, n).x), facing = dot(normal, to);
+        float direct = lights[n].w * left.x * (n == 0 ? first.x : shares_at(place, reach_light[n].xyz, n).x), facing = dot(normal, to);
         if (!surface) body += direct * lighting.y * (1.0 - g * g) * pow(1.0 + g * g + 2.0 * g * dot(to, towards_eye), -1.5);  // the phase function
         if (!(facing > 0.0)) continue;
         float mirrored = clamp(dot(normal, between) / length(between), 0.0, 1.0);

@@ -270,6 +270,20 @@ TEST(points_hdf5, types_without_particles_are_no_choice) {
     }
 }
 
+TEST(points_hdf5, gas_whose_positions_cannot_be_read_is_not_replaced_by_another_type) {
+    const TempDir dir;
+    write_one_type(dir / "s.hdf5", "PartType1", [](hid_t file, hid_t) {
+        const hid_t gas = H5Gcreate2(file, "PartType0", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        put(gas, "Coordinates", {1, 2, 3, 4, 5, 6}, 3, 2);
+        H5Gclose(gas);
+    });
+    EXPECT_NE(refusal([&] { read_points(dir / "s.hdf5"); })
+                  .find("PartType0 has arrays, but no Coordinates of 3 numbers each; expected "
+                        "them, or another type by --grid (it has: PartType1)"),
+              std::string::npos);
+    EXPECT_EQ(read_points(dir / "s.hdf5", {.grid = "PartType1"}).size(), 2u);
+}
+
 TEST(points_hdf5, parts_of_a_snapshot_may_lack_the_type) {
     const TempDir dir;
     write_snapshot(dir / "s.0.hdf5", true);  // PartType0 and PartType1

@@ -207,7 +207,7 @@ TEST(light, models_and_voxels_absorb_the_same_on_the_way) {
     for (const int cells : {7, 24, 50}) {
         ExtinctionLattice lattice(world_box(volume), cells);
         add_extinction(volume, own(), white(0.7), lattice);
-        EXPECT_NEAR(lattice.sum[lattice.at(lattice.size.x / 2, lattice.size.y / 2, 2)], 0.7,
+        EXPECT_NEAR(lattice.sum[lattice.at(lattice.size.x / 2, lattice.size.y / 2, 3)], 0.7,
                     0.03);  // points are up to half a cell apart
     }
 }
@@ -413,8 +413,25 @@ TEST(light, a_sphere_is_lit_evenly) {
             for (int x = 16; x < 48; ++x)
                 if (std::hypot(x - 31.5, y - 31.5) < 0.7 * kRadius) {
                     const std::size_t pixel = static_cast<std::size_t>(64 * y + x);
-                    EXPECT_GT(picture.sums.light[pixel].r, 0.9) << x << ' ' << y;
+                    EXPECT_NEAR(picture.sums.light[pixel].r, 0.3 + 0.7 * 0.4, 0.03)
+                        << x << ' ' << y;
                 }
+    }
+}
+
+TEST(light, opaque_matter_is_as_bright_as_matter_that_is_less_opaque) {
+    // Light that falls from the eye on a half space of any extinction: 1 / 2.
+    const Volume volume = cube(64);
+    const VoxelField values = measure_field(volume, "density");
+    VolumeLook look = shadows({0, 0, 1});
+    look.ambient = 0, look.diffuse = 1;
+    Camera camera;
+    camera.eye = {31.5, 31.5, 200}, camera.look_at = {31.5, 31.5, 31.5};
+    camera.orthographic_width = 16;
+    for (const double extinction : {0.5, 2.0, 4.0, 8.0, 64.0}) {
+        const VolumeImage picture = render_volume_reference(
+            {&volume, 1}, {&values, 1}, white(extinction), camera, 16, 16, {}, look);
+        EXPECT_NEAR(picture.pixel[136].r, 0.5, 0.12) << extinction;
     }
 }
 

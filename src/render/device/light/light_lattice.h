@@ -10,9 +10,11 @@ constexpr int32_t kMostLights = 8;
 
 /// Shares at the centres of cubic cells along the world's axes, linear between them, and beyond the outer ones as there.
 /// The lattice knows the place of a surface only to a cell. Points beside opaque matter therefore look their light up in front of it:
-/// towards the eye, since nothing in front of what is seen absorbs, and towards the light.
+/// towards the eye, since nothing in front of what is seen absorbs, and towards the light. What is seen of matter without surfaces
+/// lies a little inside: 1 / (1 + m) of the light is left there, on whose way lies m times as much matter as on that to the eye.
 struct LightLattice {
     static constexpr float kTowardsEye = 3, kTowardsLight = 2;  ///< cells
+    static constexpr double kInside = 1.5;  ///< of a light about 50 degrees aside
 
     const float* direct;   ///< [light][size z][size y][size x]; null: all light reaches every point
     const float* ambient;  ///< [size z][size y][size x] the same for ambient light
@@ -24,6 +26,7 @@ struct LightLattice {
     Double3 towards[kMostLights];  ///< the lights of `direct`; unit length, or 0 0 0
     Double3 middle;                ///< mean of these, of ambient light
     double shift;                  ///< factor of kTowardsEye and kTowardsLight
+    double inside;                 ///< m: kInside, less with octaves; 0: light falls on surfaces
 
     VOG_HD bool any() const { return direct || ambient; }
     /// A value between cells.
@@ -37,29 +40,31 @@ struct ReachedLight {
     const LightLattice* lattice;  ///< null: all light
     Double3 place;                ///< in cells, towards the eye from the point
     double away;                  ///< cells from there towards a light
+    float left;                   ///< share that is left inside of opaque matter
 
     /// Share of a light from its direction.
     VOG_HD float direct(int32_t light) const {
         return !lattice || !lattice->direct
                    ? 1
-                   : lattice->between(lattice->direct + light * lattice->cells(),
-                                      place + away * lattice->towards[light]);
+                   : left * lattice->between(lattice->direct + light * lattice->cells(),
+                                             place + away * lattice->towards[light]);
     }
     /// Share of the light from all directions.
     VOG_HD float ambient() const {
         return !lattice || !lattice->ambient
                    ? 1
-                   : lattice->between(lattice->ambient, place + away * lattice->middle);
+                   : left * lattice->between(lattice->ambient, place + away * lattice->middle);
     }
 };
 /// towards_eye  unit length
 VOG_HD ReachedLight reached_at(const LightLattice& lattice, Double3 point, Double3 towards_eye) {
-    if (!lattice.any()) return {nullptr, point, 0};
+    if (!lattice.any()) return {nullptr, point, 0, 1};
     const Double3 place = lattice.per_edge * (point - lattice.first);
-    if (!lattice.opaque) return {&lattice, place, 0};
-    const double away = lattice.shift * static_cast<double>(lattice.between(lattice.opaque, place));
+    if (!lattice.opaque) return {&lattice, place, 0, 1};
+    const double opaque{lattice.between(lattice.opaque, place)}, away = lattice.shift * opaque;
     return {&lattice, place + (away * static_cast<double>(LightLattice::kTowardsEye)) * towards_eye,
-            away * static_cast<double>(LightLattice::kTowardsLight)};
+            away * static_cast<double>(LightLattice::kTowardsLight),
+            static_cast<float>(1 / (1 + opaque * lattice.inside))};
 }
 
 VOG_HD float LightLattice::between(const float* values, Double3 place) const {

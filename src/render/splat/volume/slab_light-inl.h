@@ -153,16 +153,20 @@ HWY_NOINLINE ReachedLanes<V> reached_at(D d, const SlabLight& of, const Rays<kCo
     const V edge = hn::Set(d, static_cast<float>(Lattice::kTowardsEye / lattice.per_edge));
     const V shift = hn::Div(hn::Mul(opaque, edge), hn::Load(d, rays.length.data() + n));
     const V before = hn::Sub(depth, shift);
-    const V away = hn::Mul(opaque, hn::Set(d, Lattice::kTowardsLight));
+    const V away = hn::Mul(opaque, hn::Set(d, Lattice::kTowardsLight)), one = hn::Set(d, 1.0f);
+    const V inside = hn::Set(d, static_cast<float>(lattice.inside));
+    const V left = hn::Div(one, hn::MulAdd(opaque, inside, one));
     PlaceLanes<D> place;
     for (int k = 0; k < lights; ++k) {
         place = place_at(d, of, rays, n, before, away, lattice.towards[k]);
-        out.direct[k] = between(d, lattice, lattice.direct + k * lattice.cells(), place);
+        out.direct[k] =
+            hn::Mul(left, between(d, lattice, lattice.direct + k * lattice.cells(), place));
     }
     // One light has its own middle.
     if (lattice.ambient && lights != 1)
         place = place_at(d, of, rays, n, before, away, lattice.middle);
     out.ambient = between(d, lattice, lattice.ambient, place);
+    if (lattice.ambient) out.ambient = hn::Mul(left, out.ambient);
     return out;
 }
 

@@ -33,7 +33,7 @@ function meanExtinctions(mean, variance, third, cell, extinction) {
 }
 
 /**
- * Mean extinctions in cubic cells around a model's box, with an empty cell on each side: {sum: [z][y][x], whole: without what clear matter lets pass, size, first: centre of the first cell, edge}.
+ * Mean extinctions in cubic cells around a model's box, with two empty cells on each side: {sum: [z][y][x], whole: without what clear matter lets pass, size, first: centre of the first cell, edge}.
  * Of each cell the moments of its values, classified as those of a slab.
  * gaussians   {instances, data: of the field}
  * extinction  of extinctionIn
@@ -41,7 +41,7 @@ function meanExtinctions(mean, variance, third, cell, extinction) {
  */
 export function extinctionLattice({ box, center, unit, cutoff, limits, extinction: perDensity }, { instances, data }, extinction, factor = null) {
   const half = mul(1 / unit, box.half), middle = mul(1 / unit, sub(box.center, center)), edge = (2 * Math.max(...half)) / cells || 1;
-  const size = half.map((h) => Math.ceil(((2 * h) / edge) * (1 - 1e-9)) + 2), first = middle.map((m, k) => m - 0.5 * edge * (size[k] - 1));
+  const size = half.map((h) => Math.ceil(((2 * h) / edge) * (1 - 1e-9)) + 4), first = middle.map((m, k) => m - 0.5 * edge * (size[k] - 1));
   const sum = new Float32Array(size[0] * size[1] * size[2]), whole = new Float32Array(sum.length), stride = factor ? 7 : 4, moments = new Float64Array(stride * sum.length), reach = Math.min(cutoff, mostReach), lower = [0, 0, 0], upper = [0, 0, 0];
   let values = new Float32Array(4096);
   for (let i = 0, f = 0; i < instances.length; i += instanceFloats, f += scalarFloats) {
@@ -151,6 +151,13 @@ export function opaqueCells({ whole, size, edge }) {
     });
   }
   return most.map((value) => 1 / (1 + (halfOpaque / Math.max(value * edge, 1e-30)) ** opaqueSteepness));
+}
+
+/** LightLattice::inside of render/device/light/light_lattice.h, as Illumination::lattice has it. */
+export function insideOf(octaves) {
+  let [whole, left] = [0, 0];
+  for (let part = 1, n = 0; n < octaves; ++n, part /= 2) [whole, left] = [whole + part, left + part / (1 + 1.5 * part)];
+  return whole / left - 1;
 }
 
 /** Shares of a light from a direction; octaves of multiple scattering as Wrenninge has them. */
