@@ -9,8 +9,6 @@
 #include <tiffio.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -19,6 +17,7 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "io/scan/scan_values.h"
+#include "io/scan/tiff/tiff_files.h"
 #include "io/scan/tiff/tiff_stack.h"
 #include "vog/text.h"
 #endif
@@ -241,12 +240,30 @@ TiffStack stack_of(const Tiff& tiff, const PageForm& form) {
     const double x = tags.x_resolution, y = tags.y_resolution;
     if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))
         tags.x_resolution = tags.y_resolution = 0;
+    // Of OME's files, some only name the one with the description.
+    if (tags.description.find("BinaryOnly") != std::string::npos) return {};
     TiffStack stack = tiff_stack(tags);
     if (const auto turn = tiff.tag<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
         turn > ORIENTATION_TOPLEFT && turn <= ORIENTATION_LEFTBOT)
         stack.note += fmt::format("{}rows and columns as stored, without the tag Orientation {}",
                                   stack.note.empty() ? "" : "; ", turn);
     return stack;
+}
+
+/// throws vog::Error where a slice states other voxels than the first one
+void check_spacing(const Tiff& tiff, const TiffStack& own, const std::filesystem::path& first,
+                   const TiffStack& stack) {
+    constexpr double kRounding = 1e-4;
+    if (own.source == TiffStack{}.source ||
+        (own.units == stack.units &&
+         length(own.edge - stack.edge) <= kRounding * length(stack.edge)))
+        return;
+    const auto voxels = [](const TiffStack& one) {
+        return fmt::format("{:.6g} x {:.6g} x {:.6g} {}", one.edge.x, one.edge.y, one.edge.z,
+                           one.units.empty() ? "" : printable(one.units[0], 20));
+    };
+    throw Error(fmt::format("{}: voxels of {}, expected {} as in {}", tiff.name, voxels(own),
+                            voxels(stack), first.filename().string()));
 }
 
 /// MetaMorph's files have all planes behind one page, by tags of their own.
@@ -257,70 +274,19 @@ bool is_metamorph(const Tiff& tiff) {
     return false;
 }
 
-/// Whether a name matches a pattern with one or several *.
-bool matches(std::string_view pattern, std::string_view name) {
-    const std::size_t star = pattern.find('*');
-    if (star == std::string_view::npos) return pattern == name;
-    if (!name.starts_with(pattern.substr(0, star))) return false;
-    for (std::size_t from = star; from <= name.size(); ++from)
-        if (matches(pattern.substr(star + 1), name.substr(from))) return true;
-    return false;
-}
-
-/// Order of names in which slice 10 lies behind slice 9.
-bool by_number(const std::filesystem::path& a, const std::filesystem::path& b) {
-    const std::string x = a.filename().string(), y = b.filename().string();
-    const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-    for (std::size_t i = 0, j = 0; i < x.size() && j < y.size();) {
-        if (digit(x[i]) && digit(y[j])) {
-            std::string first, second;
-            for (; i < x.size() && digit(x[i]); ++i) first += x[i];
-            for (; j < y.size() && digit(y[j]); ++j) second += y[j];
-            first.erase(0, std::min(first.find_first_not_of('0'), first.size()));
-            second.erase(0, std::min(second.find_first_not_of('0'), second.size()));
-            if (first != second)
-                return first.size() != second.size() ? first.size() < second.size()
-                                                     : first < second;
-        } else if (x[i] != y[j]) {
-            return x[i] < y[j];
-        } else {
-            ++i, ++j;
-        }
-    }
-    return x < y;
-}
-
-/// The file, or the slices of a folder or a pattern in the order of their numbers.
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& file) {
-    std::error_code code;
-    const bool folder = std::filesystem::is_directory(file, code);
-    const std::string pattern = folder ? "*" : file.filename().string();
-    if (!folder && (pattern.find('*') == std::string::npos || std::filesystem::exists(file, code)))
-        return {file};
-    const std::filesystem::path parent = folder                   ? file
-                                         : file.has_parent_path() ? file.parent_path()
-                                                                  : std::filesystem::path(".");
-    constexpr std::size_t kLongest = 200;
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(parent, code))
-        if (const std::string name = entry.path().filename().string();
-            is_tiff(entry.path()) && name.size() < kLongest && matches(pattern, name))
-            files.push_back(entry.path());
-    if (files.empty()) throw Error(fmt::format("{}: no TIFF files of this pattern", file.string()));
-    std::ranges::sort(files, by_number);
-    return files;
-}
-
 }  // namespace
 
 ScanFile open_tiff(const std::filesystem::path& file) {
-    const std::vector<std::filesystem::path> files = files_of(file);
+    const std::vector<std::filesystem::path> files = tiff_files(file);
     std::vector<Page> pages;
     PageForm form;
     TiffStack stack;
     for (std::size_t n = 0; n < files.size(); ++n) {
         Tiff tiff(files[n]);
-        if (n == 0) form = form_of(tiff), stack = stack_of(tiff, form);
+        if (n == 0)
+            form = form_of(tiff), stack = stack_of(tiff, form);
+        else
+            check_spacing(tiff, stack_of(tiff, form), files[0], stack);
         check_bytes(tiff, form);
         for (std::uint32_t directory = 0;; ++directory) {
             if (directory > std::numeric_limits<std::uint16_t>::max())
