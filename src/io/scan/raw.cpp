@@ -137,6 +137,7 @@ ScanFile open_raw(const std::filesystem::path& file) {
     array.type = *number;
     array.big_endian = endian == "big";
     array.voxels = checked_voxels(head.file, size[0], size[1], size[2]);
+    array.scale = "slope";
     array.slope = head.at("slope", 1.0);
     array.offset = head.at("intercept", 0.0);
     const auto skip = head.at<std::int64_t>("skip", 0), frames = head.at<std::int64_t>("frames", 1),

@@ -142,19 +142,20 @@ struct Page {
 
 /// Copies rows of `from` into `to` [width * height], by one sample of `samples` side by side.
 void put(const PageForm& form, const char* from, std::uint32_t width, std::uint32_t rows,
-         std::uint32_t stride_px, std::uint32_t x0, std::uint32_t y0, std::size_t sample,
-         float* to) {
+         std::uint32_t stride_px, std::uint32_t x0, std::uint32_t y0, std::size_t sample, float* to,
+         Singles& singles) {
     const std::size_t bytes = bytes_of(form.type), samples = form.planar ? 1 : form.samples;
     for (std::uint32_t y = 0; y < rows && y0 + y < form.height; ++y)
         for (std::uint32_t x = 0; x < width && x0 + x < form.width; ++x)
-            to[std::size_t{y0 + y} * form.width + x0 + x] = number_from(
+            to[std::size_t{y0 + y} * form.width + x0 + x] = singles(number_from(
                 from + ((std::size_t{y} * stride_px + x) * samples + (form.planar ? 0 : sample)) *
                            bytes,
-                form.type);
+                form.type));
 }
 
 /// Reads one of several planes that follow each other without packing behind the first one's offset.
-void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
+void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to,
+              Singles& singles) {
     TIFF* handle = tiff.handle.get();
     if (tiff.tag<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE ||
         form.planar)
@@ -172,13 +173,20 @@ void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sa
     if (TIFFIsByteSwapped(handle))
         for (std::size_t n = 0; n < plane.size(); n += number)
             std::reverse(plane.data() + n, plane.data() + n + number);
-    put(form, plane.data(), form.width, form.height, form.width, 0, 0, sample, to);
+    put(form, plane.data(), form.width, form.height, form.width, 0, 0, sample, to, singles);
 }
 
-void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
+void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to,
+               Singles& singles) {
     TIFF* handle = tiff.handle.get();
     if (!TIFFSetDirectory(handle, page.directory)) tiff.fail("a page cannot be read");
     if (form_of(tiff) != form) tiff.fail("pages of several forms");
+    if (const auto packing = tiff.tag<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+        !TIFFIsCODECConfigured(packing))
+        throw Error(
+            fmt::format("{}: compression {}, which this build's libtiff does not read, "
+                        "expected none, Deflate or LZW",
+                        tiff.name, packing));
     const std::size_t pixel = (form.planar ? 1 : form.samples) * bytes_of(form.type);
     const auto which = static_cast<std::uint16_t>(form.planar ? sample : 0);
     std::vector<char> buffer;
@@ -199,11 +207,11 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
             for (std::uint32_t x = 0; x < form.width; x += width) {
                 if (TIFFReadTile(handle, buffer.data(), x, y, page.plane, which) < 0)
                     tiff.fail("truncated or corrupt");
-                put(form, buffer.data(), width, height, width, x, y, sample, to);
+                put(form, buffer.data(), width, height, width, x, y, sample, to, singles);
             }
         return;
     }
-    if (!page.single) return read_run(tiff, page, form, sample, to);
+    if (!page.single) return read_run(tiff, page, form, sample, to, singles);
     const auto rows =
         std::min(tiff.tag<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, form.height), form.height);
     if (rows == 0 || rows > (std::uint64_t{1} << 29) / (pixel * form.width))
@@ -215,7 +223,7 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
         if (TIFFReadEncodedStrip(handle, TIFFComputeStrip(handle, y, which), buffer.data(),
                                  bytes) != bytes)
             tiff.fail("truncated or corrupt");
-        put(form, buffer.data(), form.width, count, form.width, 0, y, sample, to);
+        put(form, buffer.data(), form.width, count, form.width, 0, y, sample, to, singles);
     }
 }
 
@@ -351,22 +359,25 @@ ScanFile open_tiff(const std::filesystem::path& file) {
         BigVector<float> values;
         resize_kept(values, stack.slices * slice);
         std::optional<Tiff> tiff;
+        Singles stored, calibrated;
         std::size_t open = files.size();
         for (std::size_t z = 0; z < stack.slices; ++z) {
             const Page& page =
                 pages[stack.plane(image % stack.channels, z, image / stack.channels)];
             if (page.file != open) tiff.emplace(files[page.file]), open = page.file;
             float* const plane = values.data() + z * slice;
-            read_page(*tiff, page, form, sample, plane);
+            read_page(*tiff, page, form, sample, plane, stored);
             if (!stack.coefficients.empty())
-                std::transform(plane, plane + slice, plane, [&](float stored) {
+                std::transform(plane, plane + slice, plane, [&](float number) {
                     double value = 0;
                     for (std::size_t c = stack.coefficients.size(); c-- > 0;)
-                        value = value * double{stored} + stack.coefficients[c];
-                    return float_of(value);
+                        value = value * double{number} + stack.coefficients[c];
+                    return calibrated(value);
                 });
             keep_memory();
         }
+        stored.check(files[0].string());
+        calibrated.check(files[0].string());
         return values;
     };
     return scan;
