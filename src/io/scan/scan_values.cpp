@@ -285,8 +285,9 @@ void Singles::check(const std::string& file, const std::string& scale) const {
     if (float_unit(largest_) == 1) return;
     throw Error(
         fmt::format("{}: values up to {:.6g}, expected ones within single precision, 1.2e-38 "
-                    "to 3.4e+38: write them in another unit{}",
-                    file, largest_, scale.empty() ? "" : fmt::format(", or change {}", scale)));
+                    "to 3.4e+38: write them in another unit{}{}",
+                    file, largest_, scale.empty() ? "" : fmt::format(", or change {}", scale),
+                    largest_ > 1 ? ", and NaN for no data" : ""));
 }
 
 const char* type_name(Number type) { return kTypes[static_cast<std::size_t>(type)].first; }

@@ -224,6 +224,7 @@ TEST(tiff_kinds, slices_make_one_series) {
              {slices({"s1", "s2"}, {spacing + "2\n", spacing + "2\n"}), "no error"},
              {slices({"s1_b3", "s2_b2", "s3_b1"}), "no error"},
              {slices({"top", "middle"}), "no error"},
+             {slices({"z0.25", "z0.5", "z0.75", "z1.0"}), "no error"},
              {slices({"s1", "s2"}, {spacing + "2\n"}), "no error"},
              {slices({"s1", "s2"}, {spacing + "2\n", spacing + "5\n"}),
               "s2.tif: voxels of 1 x 1 x 5 um, expected 1 x 1 x 2 um as in s1.tif"},

@@ -58,13 +58,23 @@ struct NameNumber {
     std::size_t begin = 0, end = 0;
 };
 
-std::vector<NameNumber> name_numbers(const std::filesystem::path& file) {
+/// decimals  whether 0.25 is one number, not two
+std::vector<NameNumber> name_numbers(const std::filesystem::path& file, bool decimals = false) {
     const std::string name = file.stem().string();
+    const auto digit = [&](std::size_t n) {
+        return n < name.size() && std::isdigit(static_cast<unsigned char>(name[n])) != 0;
+    };
     std::vector<NameNumber> numbers;
     for (std::size_t n = 0; n < name.size(); ++n) {
-        if (!std::isdigit(static_cast<unsigned char>(name[n]))) continue;
-        if (numbers.empty() || numbers.back().end != n) numbers.push_back({0, n, n});
-        numbers.back() = {10 * numbers.back().value + (name[n] - '0'), numbers.back().begin, n + 1};
+        if (!digit(n)) continue;
+        NameNumber number{0, n, n};
+        for (; digit(n); ++n) number.value = 10 * number.value + (name[n] - '0');
+        if (decimals && name[std::min(n, name.size() - 1)] == '.' && digit(n + 1)) {
+            double place = 1;
+            for (++n; digit(n); ++n) number.value += (place /= 10) * (name[n] - '0');
+        }
+        number.end = n;
+        numbers.push_back(number);
     }
     return numbers;
 }
@@ -76,9 +86,11 @@ struct NumberedSlices {
     std::size_t count = 0;                                         ///< of different numbers
     double step = 0;                                               ///< least one between two
 
-    NumberedSlices(const std::vector<std::filesystem::path>& files, std::size_t which)
+    NumberedSlices(const std::vector<std::filesystem::path>& files, std::size_t which,
+                   bool decimals)
         : place(which) {
-        for (const auto& file : files) slices.emplace_back(name_numbers(file)[which].value, file);
+        for (const auto& file : files)
+            slices.emplace_back(name_numbers(file, decimals)[which].value, file);
         std::ranges::stable_sort(slices, {}, [](const auto& slice) { return slice.first; });
         for (std::size_t n = 0; n < slices.size(); ++n) count += n == 0 || gap(n) > 0;
         step = gap(1);
@@ -88,8 +100,9 @@ struct NumberedSlices {
     bool distinct() const { return count == slices.size(); }
     /// First slice whose number is too far behind that of the one before it; 0: none.
     std::size_t first_gap() const {
+        constexpr double kRounding = 1e-6;
         for (std::size_t n = 1; n < slices.size(); ++n)
-            if (gap(n) > step) return n;
+            if (gap(n) > step * (1 + kRounding)) return n;
         return 0;
     }
     std::string name(std::size_t n) const {
@@ -101,6 +114,12 @@ struct NumberedSlices {
         return name(0).replace(number.begin, number.end - number.begin, "*");
     }
 };
+
+std::size_t least_count(const std::vector<std::filesystem::path>& files, bool decimals) {
+    std::size_t count = name_numbers(files[0], decimals).size();
+    for (const auto& file : files) count = std::min(count, name_numbers(file, decimals).size());
+    return count;
+}
 
 /// throws vog::Error where a name has another count of numbers than most
 void check_counts(const std::filesystem::path& where,
@@ -125,15 +144,17 @@ void order_series(const std::filesystem::path& where, std::vector<std::filesyste
     if (files.size() < 2) return;
     check_counts(where, files);
     std::optional<NumberedSlices> best;
-    for (std::size_t n = 0; n < name_numbers(files[0]).size(); ++n) {
-        NumberedSlices one(files, n);
-        if (one.distinct() && one.first_gap() == 0) {
-            std::ranges::transform(one.slices, files.begin(),
-                                   [](const auto& s) { return s.second; });
-            return;
+    // Places in decimals, 0.25 and 0.5, are numbers where their halves are none.
+    for (const bool decimals : {false, true})
+        for (std::size_t n = 0; n < least_count(files, decimals); ++n) {
+            NumberedSlices one(files, n, decimals);
+            if (one.distinct() && one.first_gap() == 0) {
+                std::ranges::transform(one.slices, files.begin(),
+                                       [](const auto& s) { return s.second; });
+                return;
+            }
+            if (!decimals && (!best || one.count >= best->count)) best = std::move(one);
         }
-        if (!best || one.count >= best->count) best = std::move(one);
-    }
     if (!best || best->count == 1) return;
     if (const std::size_t n = best->first_gap(); best->distinct())
         throw Error(
