@@ -9,7 +9,7 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "io/file_extension.h"
-#include "io/scan/scan_values.h"
+#include "io/scan/scan_bytes.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -19,7 +19,7 @@
 #include "io/points/points_columns.h"
 #include "io/points/points_files.h"
 #include "io/points/text_fields.h"
-#include "io/scan/scan_values.h"
+#include "io/scan/scan_bytes.h"
 #include "vog/error.h"
 #include "vog/text.h"
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 
@@ -107,9 +108,11 @@ struct Fits {
     double number(const std::string& key, double otherwise) const {
         double value = otherwise;
         int status = 0;
-        return fits_read_key(handle, TDOUBLE, key.c_str(), &value, nullptr, &status) == 0
-                   ? value
-                   : otherwise;
+        if (fits_read_key(handle, TDOUBLE, key.c_str(), &value, nullptr, &status) == 0)
+            return value;
+        if (status != KEY_NO_EXIST && status != VALUE_UNDEFINED)
+            throw Error(fmt::format("{}: {} is '{}', expected a number", name, key, text(key)));
+        return otherwise;
     }
     std::string text(const std::string& key) const {
         char value[FLEN_VALUE] = "";
@@ -375,6 +378,7 @@ BigVector<float> read_image(Fits& fits, const FitsImage& image, std::size_t n) {
     constexpr long kStep = long{1} << 22;
     const long row = image.size(0), rows = std::max(kStep / row, 1L);
     std::vector<double> buffer;
+    Singles singles;
     float* to = values.data();
     for (long z = 0; z < image.size(2); ++z)
         for (long y = 0; y < image.size(1); y += rows) {
@@ -384,9 +388,10 @@ BigVector<float> read_image(Fits& fits, const FitsImage& image, std::size_t n) {
             int any = 0;
             fits.check(fits_read_subset(fits.handle, TDOUBLE, first.data(), last.data(),
                                         step.data(), &blank, buffer.data(), &any, &status));
-            to = std::ranges::transform(buffer, to, float_of).out;
+            to = std::ranges::transform(buffer, to, std::ref(singles)).out;
             keep_memory();
         }
+    singles.check(fits.name, "BSCALE");
     return values;
 }
 

@@ -1,5 +1,5 @@
 // metaimage.cpp: MetaImage (.mha, .mhd) of ITK: https://itk.org/Wiki/ITK/MetaIO/Documentation
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -124,7 +124,16 @@ void set_place(const MetaHead& head, const std::vector<std::int64_t>& sizes, Sto
         for (const auto& file : data_files(head.file, named, head.list, sizes))
             array.parts.push_back({file, 0, 0});
     const std::string header = head.text({"headersize"});
+    array.behind_head = local;
+    std::vector<std::string> ways;
+    if (array.type == Number::int32 || array.type == Number::uint32)
+        ways.push_back("ElementType = MET_LONG_LONG for 8 bytes each");
+    if (head.text({"elementnumberofchannels"}).empty())
+        ways.push_back("ElementNumberOfChannels for several in each voxel");
+    if (array.encoding == Encoding::raw) ways.push_back("HeaderSize = -1 for the last ones");
+    if (!ways.empty()) array.advice = fmt::format(": state {}", fmt::join(ways, ", or "));
     if (header.empty()) return;
+    if (!local) array.spare = kAnySpare;
     const std::int64_t skip = integers_of(head.file, "HeaderSize", header, 1)[0];
     if (skip < -1) head.fail(fmt::format("HeaderSize {}, expected -1 or more", skip));
     if (skip == -1) {

@@ -255,21 +255,22 @@ ScanFile open_nifti(const std::filesystem::path& file) {
     array.big_endian = swapped != (std::endian::native == std::endian::big);
     array.type = type.type;
     array.voxels = checked_voxels(file, edge(1), edge(2), edge(3));
-    const auto least = static_cast<double>(head.second ? kSecondBytes : kFirstBytes);
+    // The head, and 4 bytes that announce extensions.
+    const auto least = static_cast<double>((head.second ? kSecondBytes : kFirstBytes) + 4);
     double offset = head.vox_offset;
     if (offset == 0) {
-        offset = least + 4;  // the head, and 4 bytes that announce extensions
+        offset = least;
         add_note(scan.note, fmt::format("vox_offset is 0, read as {}", offset));
     }
     if (!(offset >= least && offset < 9e15))
         throw Error(fmt::format("{}: values at byte {}, expected {} or more", file.string(), offset,
                                 least));
     array.parts = {{file, 0, static_cast<std::uint64_t>(offset)}};
-    // As the standard has it: slope 0 is none. nibabel treats one that is not finite the same way.
-    if (head.slope != 0 && std::isfinite(head.slope) && type.components == 1) {
-        if (!std::isfinite(head.inter))
-            throw Error(fmt::format("{}: scl_inter is {}, expected a finite number", file.string(),
-                                    head.inter));
+    // As the standard has it: slope 0 is none. nibabel treats NaN the same way.
+    if (head.slope != 0 && !std::isnan(head.slope) && type.components == 1) {
+        if (!std::isfinite(head.slope) || !std::isfinite(head.inter))
+            throw Error(fmt::format("{}: scl_slope is {} and scl_inter {}, expected finite numbers",
+                                    file.string(), head.slope, head.inter));
         array.slope = head.slope;
         array.offset = head.inter;
     }
@@ -286,6 +287,11 @@ ScanFile open_nifti(const std::filesystem::path& file) {
         throw Error(fmt::format("{}: {} frames of RGB, expected one", file.string(), frames));
     array.grids = frames * type.components;
     array.interleaved = type.components > 1;
+    array.spare = array.voxels / static_cast<std::uint64_t>(edge(3)) * type.components *
+                      bytes_of(array.type) -
+                  1;
+    array.scale = "scl_slope";
+    array.advice = ": state the size of all of them in dim";
 
     ScanGrid grid;
     grid.size = {static_cast<std::int32_t>(edge(1)), static_cast<std::int32_t>(edge(2)),

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -33,10 +34,6 @@ constexpr std::array<std::pair<const char*, std::uint64_t>, 11> kTypes{{{"int8",
                                                                         {"float16", 2},
                                                                         {"float32", 4},
                                                                         {"float64", 8}}};
-constexpr std::uint64_t kStep = std::uint64_t{1} << 18;
-/// Largest ratio of deflate: 258 bytes for two bits, and some bytes of head.
-constexpr std::uint64_t kMostRatio = 1032, kHead = 4096;
-
 /// IEEE 754's binary16: sign, 5 bits of exponent, 10 of significand.
 struct Half {
     std::uint16_t bits = 0;
@@ -98,13 +95,7 @@ class TextNumbers {
         stream_.seekg(static_cast<std::streamoff>(part.begin));
     }
     double next(std::uint64_t n, std::uint64_t expected) {
-        constexpr std::size_t kLongest = 64;
-        std::string word;
-        int c = stream_.get();
-        while (c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == ',') c = stream_.get();
-        for (; c != EOF && c != ' ' && c != '\n' && c != '\t' && c != '\r' && c != ',';
-             c = stream_.get())
-            if (word.size() < kLongest) word.push_back(static_cast<char>(c));
+        const std::string word = next_word();
         if (word.empty())
             throw Error(
                 fmt::format("{}: truncated: {} values as text, expected {}", name_, n, expected));
@@ -116,22 +107,77 @@ class TextNumbers {
                 fmt::format("{}: value {} is '{}', expected a number", name_, n, printable(word)));
         return value;
     }
+    /// throws vog::Error unless the text ends
+    void check_end(std::uint64_t expected) {
+        std::uint64_t count = expected;
+        while (!next_word().empty()) ++count;
+        if (count > expected)
+            throw Error(
+                fmt::format("{}: {} values as text, expected {} (commas lie between "
+                            "values, decimals have a point)",
+                            name_, count, expected));
+    }
 
   private:
+    /// Next word, as far as it is short; empty at the end.
+    std::string next_word() {
+        constexpr std::size_t kLongest = 64;
+        const auto blank = [](int c) {
+            return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == ',' || c == 0;
+        };
+        std::string word;
+        int c = stream_.get();
+        while (blank(c)) c = stream_.get();
+        for (; c != EOF && !blank(c); c = stream_.get())
+            if (word.size() < kLongest) word.push_back(static_cast<char>(c));
+        return word;
+    }
+
     std::string name_;
     std::ifstream stream_;
 };
+
+/// Refuses what follows the values of a part in its file, except what may.
+/// bytes  behind the values
+void check_rest(const StoredArray& array, const StoredPart& part, ScanBytes& bytes) {
+    constexpr std::uint64_t kMostBlanks = 8;
+    const bool deflated = array.encoding == Encoding::deflate, any = array.spare == kAnySpare;
+    std::vector<char> step(any ? 1 : ScanBytes::kStep);
+    std::uint64_t rest = 0;
+    bool blank = array.behind_head;
+    // The checksum of a deflated stream comes behind its last byte.
+    while (const std::uint64_t got = bytes.read_some(step.data(), step.size())) {
+        rest += got;
+        blank &=
+            rest <= kMostBlanks &&
+            std::all_of(step.begin(), step.begin() + static_cast<std::ptrdiff_t>(got), [](char c) {
+                return c == 0 || std::isspace(static_cast<unsigned char>(c)) != 0;
+            });
+        if (any) return;
+        if (deflated) continue;
+        rest += bytes.most_left();
+        break;
+    }
+    if (blank || rest <= array.spare) return;
+    const std::uint64_t expected = array.part_values() * bytes_of(array.type);
+    throw Error(fmt::format("{}: {} bytes{} of values, expected {} for {} values of {}{}",
+                            part.file.string(), expected + rest, deflated ? " unpacked" : "",
+                            expected, array.part_values(), type_name(array.type), array.advice));
+}
 
 BigVector<float> read_text(const StoredArray& array, std::size_t grid) {
     const std::uint64_t all = array.voxels * array.grids, share = array.part_values();
     std::optional<TextNumbers> text;
     BigVector<float> values;
+    Singles singles;
     for (std::uint64_t n = 0; n < all; ++n) {
         if (n % share == 0) text.emplace(array.parts[n / share]);
         const double value = text->next(n % share, share);
         const std::uint64_t of = array.interleaved ? n % array.grids : n / array.voxels;
-        if (of == grid) values.push_back(float_of(array.slope * value + array.offset));
+        if (of == grid) values.push_back(singles(array.slope * value + array.offset));
+        if (n % share == share - 1 && array.spare != kAnySpare) text->check_end(share);
     }
+    singles.check(array.parts[0].file.string());
     return values;
 }
 
@@ -153,7 +199,13 @@ class PartBytes {
             position_ += share_ - position_ % share_;  // a part that is not opened
         if (count > 0) open(), bytes_->skip(count), position_ += count;
     }
-    void check_end() { bytes_->check_end(); }
+    /// Reads the open part to its end, where nothing may follow.
+    void check_end() {
+        const StoredPart& part = array_.parts[part_];
+        bytes_->skip(part.skip + share_ - bytes_->position());
+        check_rest(array_, part, *bytes_);
+        bytes_.reset();
+    }
 
   private:
     /// Opens the part at the position. Returns the bytes left in it.
@@ -186,8 +238,9 @@ class ArrayReader {
         if (bytes_->position() > begin) bytes_.emplace(array_);
         bytes_->skip(begin - bytes_->position());
         BigVector<float> values;
+        Singles singles;
         resize_kept(values, array_.voxels);
-        const std::uint64_t run = std::max<std::uint64_t>(kStep / (stride * bytes), 1);
+        const std::uint64_t run = std::max<std::uint64_t>(ScanBytes::kStep / (stride * bytes), 1);
         std::vector<char> buffer;
         for (std::uint64_t at = 0; at < array_.voxels; at += run) {
             const std::uint64_t count = std::min(run, array_.voxels - at);
@@ -195,27 +248,28 @@ class ArrayReader {
             // Behind the last value of a channel lie those of later ones, which no one reads.
             buffer.resize(((count - 1) * stride + (last ? 1 : stride)) * bytes);
             bytes_->read(buffer.data(), buffer.size());
-            convert(buffer.data(), stride * bytes, {values.data() + at, count});
+            convert(buffer.data(), stride * bytes, {values.data() + at, count}, singles);
             keep_memory();
         }
-        if (grid + 1 == array_.grids) bytes_->check_end();
+        singles.check(array_.parts[0].file.string(), array_.scale);
+        if (array_.interleaved || grid + 1 == array_.grids) bytes_->check_end();
         return values;
     }
 
   private:
-    void convert(const char* from, std::uint64_t stride, std::span<float> to) const {
+    void convert(const char* from, std::uint64_t stride, std::span<float> to,
+                 Singles& singles) const {
         const bool plain = array_.slope == 1 && array_.offset == 0;
         with_type(array_.type, [&](auto zero) {
             using T = decltype(zero);
             for (std::size_t n = 0; n < to.size(); ++n) {
                 const T stored = number_at<T>(from + n * stride, array_.big_endian);
                 if constexpr (std::is_same_v<T, double>) {
-                    to[n] = float_of(plain ? stored : array_.slope * stored + array_.offset);
+                    to[n] = singles(plain ? stored : array_.slope * stored + array_.offset);
                 } else {
                     to[n] =
-                        plain
-                            ? static_cast<float>(stored)
-                            : float_of(array_.slope * static_cast<double>(stored) + array_.offset);
+                        plain ? static_cast<float>(stored)
+                              : singles(array_.slope * static_cast<double>(stored) + array_.offset);
                 }
             }
         });
@@ -227,12 +281,13 @@ class ArrayReader {
 
 }  // namespace
 
-float float_of(double value) {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    if (std::abs(value) > kLargest)
-        return std::copysign(std::numeric_limits<float>::infinity(),
-                             static_cast<float>(value > 0 ? 1 : -1));
-    return static_cast<float>(value);
+void Singles::check(const std::string& file, const std::string& scale) const {
+    if (float_unit(largest_) == 1) return;
+    throw Error(
+        fmt::format("{}: values up to {:.6g}, expected ones within single precision, 1.2e-38 "
+                    "to 3.4e+38: write them in another unit{}{}",
+                    file, largest_, scale.empty() ? "" : fmt::format(", or change {}", scale),
+                    largest_ > 1 ? ", and NaN for no data" : ""));
 }
 
 const char* type_name(Number type) { return kTypes[static_cast<std::size_t>(type)].first; }
@@ -244,143 +299,12 @@ std::optional<Number> number_named(std::string_view name) {
     return std::nullopt;
 }
 
-float number_from(const char* bytes, Number type) {
-    float value = 0;
+double number_from(const char* bytes, Number type) {
+    double value = 0;
     with_type(type, [&](auto zero) {
-        value = float_of(static_cast<double>(number_at<decltype(zero)>(bytes, false)));
+        value = static_cast<double>(number_at<decltype(zero)>(bytes, false));
     });
     return value;
-}
-
-bool is_gzip(const std::filesystem::path& file) {
-    require_readable(file);
-    std::ifstream stream(file, std::ios::binary);
-    return stream.get() == 0x1f && stream.get() == 0x8b;
-}
-
-ScanBytes::ScanBytes(const std::filesystem::path& file, std::uint64_t begin, bool deflated)
-    : name_(file.string()), deflated_(deflated) {
-    require_readable(file);
-    stream_.open(file, std::ios::binary | std::ios::ate);
-    const auto end = stream_.tellg();
-    if (!stream_ || end < 0) throw Error(fmt::format("{}: cannot be read", name_));
-    size_ = static_cast<std::uint64_t>(end);
-    if (begin > size_)
-        throw Error(fmt::format("{}: truncated: {} bytes, expected values from byte {} on", name_,
-                                size_, begin));
-    read_ = begin;
-    stream_.seekg(static_cast<std::streamoff>(begin));
-    // 15 bits of window; + 32: gzip or zlib, as the head says.
-    if (deflated_ && inflateInit2(&zip_, 15 + 32) != Z_OK)
-        throw Error(fmt::format("{}: not enough memory", name_));
-}
-
-ScanBytes::~ScanBytes() {
-    if (deflated_) inflateEnd(&zip_);
-}
-
-std::uint64_t ScanBytes::most_left() const {
-    const std::uint64_t left = size_ - read_;
-    if (!deflated_) return left;
-    return (left + zip_.avail_in + kHead) * kMostRatio;
-}
-
-void ScanBytes::refill() {
-    const std::uint64_t count = std::min(kStep, size_ - read_);
-    packed_.resize(count);
-    if (count > 0 && !stream_.read(packed_.data(), static_cast<std::streamsize>(count)))
-        throw Error(fmt::format("{}: cannot be read", name_));
-    read_ += count;
-    zip_.next_in = reinterpret_cast<Bytef*>(packed_.data());
-    zip_.avail_in = static_cast<uInt>(count);
-}
-
-std::uint64_t ScanBytes::read_some(char* to, std::uint64_t count) {
-    if (!deflated_) {
-        count = std::min(count, size_ - read_);
-        if (count > 0 && !stream_.read(to, static_cast<std::streamsize>(count)))
-            throw Error(fmt::format("{}: cannot be read", name_));
-        read_ += count;
-        return count;
-    }
-    zip_.next_out = reinterpret_cast<Bytef*>(to);
-    zip_.avail_out = static_cast<uInt>(std::min(count, kStep));
-    const uInt wanted = zip_.avail_out;
-    while (zip_.avail_out == wanted && !ended_) {
-        if (zip_.avail_in == 0) {
-            refill();
-            if (zip_.avail_in == 0) {
-                if (between_members_) {
-                    ended_ = true;
-                    break;
-                }
-                throw Error(fmt::format(
-                    "{}: truncated: a deflated stream of {} bytes without its end", name_, size_));
-            }
-        }
-        if (between_members_) {
-            // Several members make one stream, as those of pigz and bgzip; zeros may pad it.
-            if (*zip_.next_in != 0x1f) {
-                ended_ = true;
-                break;
-            }
-            inflateReset(&zip_);
-            between_members_ = false;
-        }
-        const int status = inflate(&zip_, Z_NO_FLUSH);
-        if (status == Z_STREAM_END)
-            between_members_ = true;
-        else if (status != Z_OK && status != Z_BUF_ERROR)
-            throw Error(fmt::format("{}: corrupt deflated stream ({}), expected gzip or zlib",
-                                    name_, zip_.msg ? zip_.msg : "unknown fault"));
-    }
-    return wanted - zip_.avail_out;
-}
-
-void ScanBytes::read(char* to, std::uint64_t count) {
-    for (std::uint64_t done = 0; done < count;) {
-        const std::uint64_t got = read_some(to + done, count - done);
-        if (got == 0)
-            throw Error(fmt::format("{}: truncated: {} bytes{}, expected {} or more", name_,
-                                    position_, deflated_ ? " unpacked" : "",
-                                    position_ + count - done));
-        done += got;
-        position_ += got;
-    }
-}
-
-void ScanBytes::skip(std::uint64_t count) {
-    if (!deflated_) {
-        if (count > size_ - read_)
-            throw Error(fmt::format("{}: truncated: {} bytes, expected {} or more", name_, size_,
-                                    read_ + count));
-        read_ += count;
-        position_ += count;
-        stream_.seekg(static_cast<std::streamoff>(read_));
-        return;
-    }
-    std::vector<char> buffer(std::min(count, kStep));
-    while (count > 0) {
-        const std::uint64_t step = std::min<std::uint64_t>(count, buffer.size());
-        read(buffer.data(), step);
-        count -= step;
-    }
-}
-
-void ScanBytes::check_end() {
-    char byte;
-    if (deflated_) position_ += read_some(&byte, 1);
-}
-
-BigVector<char> unpacked_bytes(const std::filesystem::path& file) {
-    ScanBytes bytes(file, 0, true);
-    BigVector<char> all;
-    std::vector<char> step(kStep);
-    while (const std::uint64_t got = bytes.read_some(step.data(), kStep)) {
-        all.insert(all.end(), step.begin(), step.begin() + static_cast<std::ptrdiff_t>(got));
-        keep_memory();
-    }
-    return all;
 }
 
 void place_at_end(StoredArray& array, std::uint64_t behind) {
@@ -395,9 +319,10 @@ void place_at_end(StoredArray& array, std::uint64_t behind) {
         ScanBytes stream(part.file, part.begin, deflated);
         std::uint64_t size = stream.most_left();
         if (deflated) {
-            std::vector<char> step(kStep);
+            std::vector<char> step(ScanBytes::kStep);
             size = 0;
-            while (const std::uint64_t got = stream.read_some(step.data(), kStep)) size += got;
+            while (const std::uint64_t got = stream.read_some(step.data(), ScanBytes::kStep))
+                size += got;
         }
         if (size < bytes)
             throw Error(fmt::format("{}: truncated: {} bytes, expected {} or more",
@@ -417,6 +342,9 @@ std::function<BigVector<float>(std::size_t)> reader_of(const StoredArray& array)
                                     part.file.string(), part.begin + probe.most_left(),
                                     part.begin + part.skip + bytes, array.part_values(),
                                     type_name(array.type)));
+        if (array.encoding != Encoding::raw) continue;
+        probe.skip(part.skip + bytes);
+        check_rest(array, part, probe);
     }
     auto reader = std::make_shared<ArrayReader>(array);
     return [reader](std::size_t grid) { return (*reader)(grid); };

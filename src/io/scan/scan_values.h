@@ -2,18 +2,18 @@
 // is allocated.
 #pragma once
 
-#include <zlib.h>
-
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "io/float_of.h"
+#include "io/scan/scan_bytes.h"
 #include "vog/memory.h"
 
 namespace vog::scan {
@@ -37,10 +37,22 @@ const char* type_name(Number type);
 std::optional<Number> number_named(std::string_view name);
 std::uint64_t bytes_of(Number type);
 
-/// Value as float. Conversion beyond float's range is undefined behaviour: such values become infinite.
-float float_of(double value);
+/// Conversion of the doubles of an image to floats.
+class Singles {
+  public:
+    float operator()(double value) {
+        if (std::isfinite(value)) largest_ = std::max(largest_, std::abs(value));
+        return float_of(value);
+    }
+    /// throws vog::Error where the largest finite value is beyond the range of floats, or below it
+    /// scale  key of the file that scales its values: "BSCALE"; empty: none
+    void check(const std::string& file, const std::string& scale = "") const;
+
+  private:
+    double largest_ = 0;
+};
 /// Value of a stored number in this machine's byte order.
-float number_from(const char* bytes, Number type);
+double number_from(const char* bytes, Number type);
 
 enum class Encoding { raw, deflate, text };
 
@@ -50,6 +62,9 @@ struct StoredPart {
     std::uint64_t begin = 0;  ///< first byte of the file that belongs to the stream
     std::uint64_t skip = 0;   ///< bytes of the stream before the values, unpacked
 };
+
+/// StoredArray::spare where the head states the place of the values.
+inline constexpr std::uint64_t kAnySpare = ~std::uint64_t{0};
 
 /// Place and form of an array in a file, or in several files with equal shares of its values.
 struct StoredArray {
@@ -62,52 +77,20 @@ struct StoredArray {
     bool interleaved =
         false;  ///< all channels of a voxel side by side; else one grid after another
     double slope = 1, offset = 0;  ///< value = slope * stored + offset
+    std::string scale{};           ///< key of the file for `slope`; empty: none
+    bool behind_head = false;      ///< in one file with it; a few blanks or zeros may end that file
+    std::uint64_t spare = 0;       ///< bytes of any content that may follow the values in a file
+    std::string advice{};  ///< behind that error: ": state 'byte skip: -1' for the last ones"
 
     std::uint64_t part_values() const { return voxels * grids / parts.size(); }
 };
 
-/// Bytes of a file, unpacked where they are deflated (gzip or zlib), forward only.
-class ScanBytes {
-  public:
-    /// where  start of messages
-    ScanBytes(const std::filesystem::path& file, std::uint64_t begin, bool deflated);
-    ~ScanBytes();
-    ScanBytes(const ScanBytes&) = delete;
-    ScanBytes& operator=(const ScanBytes&) = delete;
-
-    /// Reads the next bytes.
-    /// throws vog::Error where there are fewer
-    void read(char* to, std::uint64_t count);
-    void skip(std::uint64_t count);
-    /// Reads up to `count` bytes. Returns their number, 0 at the end.
-    std::uint64_t read_some(char* to, std::uint64_t count);
-    std::uint64_t position() const { return position_; }
-    /// Most bytes that can follow: those of the file, times deflate's largest ratio.
-    std::uint64_t most_left() const;
-    /// Reads the checksum behind deflated bytes, unless more of them follow.
-    void check_end();
-
-  private:
-    void refill();
-
-    std::string name_;
-    std::ifstream stream_;
-    std::uint64_t size_ = 0, read_ = 0, position_ = 0;
-    std::vector<char> packed_;
-    z_stream zip_{};
-    bool deflated_ = false, between_members_ = false, ended_ = false;
-};
-
-/// Whether a file begins with the bytes of gzip.
-bool is_gzip(const std::filesystem::path& file);
-
-/// Unpacks a gzip'd or zlib'd file.
-BigVector<char> unpacked_bytes(const std::filesystem::path& file);
 /// Sets the places of parts whose values are the last bytes of their files, `behind` bytes before the end.
 /// throws vog::Error for values as text
 void place_at_end(StoredArray& array, std::uint64_t behind = 0);
 /// Reader of the grids of an array, for ScanFile::read.
-/// throws vog::Error where the file is too small for the array
+/// throws vog::Error where a file is too small for its values, or has more than may follow them; of deflated ones when
+///         the last are read
 std::function<BigVector<float>(std::size_t)> reader_of(const StoredArray& array);
 
 /// Number of voxels of a size.

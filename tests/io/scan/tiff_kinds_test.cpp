@@ -200,4 +200,44 @@ TEST(tiff_kinds, planes_lie_where_descriptions_say) {
     });
 }
 
+TEST(tiff_kinds, slices_make_one_series) {
+    const auto slices = [](const std::vector<std::string>& names,
+                           const std::vector<std::string>& descriptions = {}) {
+        Files files;
+        for (std::size_t n = 0; n < names.size(); ++n)
+            files.emplace_back(
+                names[n] + ".tif",
+                tiff_of({{1, 2}}, 2, 1, n < descriptions.size() ? descriptions[n] : ""));
+        return files;
+    };
+    const auto refused = [&](const Files& files) {
+        const TempDir dir;
+        for (const auto& [name, bytes] : files) write_bytes(dir / name, bytes);
+        return refusal([&] { read_volume(dir / "*.tif"); });
+    };
+    const std::string spacing = "ImageJ=1.5\nimages=1\nslices=1\nunit=um\nspacing=";
+    const std::string plain = refused(slices({"s0", "s10", "s20"}));
+    if (plain.find("this build reads no") != std::string::npos)
+        GTEST_SKIP() << "this build has no libtiff";
+    EXPECT_EQ(plain, "no error");
+    for (const auto& [files, text] : std::vector<std::pair<Files, std::string>>{
+             {slices({"s1", "s2"}, {spacing + "2\n", spacing + "2\n"}), "no error"},
+             {slices({"s1_b3", "s2_b2", "s3_b1"}), "no error"},
+             {slices({"top", "middle"}), "no error"},
+             {slices({"z0.25", "z0.5", "z0.75", "z1.0"}), "no error"},
+             {slices({"s1", "s2"}, {spacing + "2\n"}), "no error"},
+             {slices({"s1", "s2"}, {spacing + "2\n", spacing + "5\n"}),
+              "s2.tif: voxels of 1 x 1 x 5 um, expected 1 x 1 x 2 um as in s1.tif"},
+             {slices({"s1", "s2", "s4"}), "slice 3 is missing between s2.tif and s4.tif"},
+             {slices({"s1", "s2", "thumb"}),
+              "thumb.tif has 0 numbers in its name, expected 1 as in s1.tif"},
+             {slices({"s1_c0", "s1_c1", "s2_c0", "s2_c1", "s3_c0", "s3_c1"}),
+              "s1_c0.tif and s1_c1.tif have one slice number"},
+             {slices({"c0_s1", "c0_s2", "c0_s3", "c1_s1", "c1_s2", "c1_s3"}), "'c0_s*.tif'"}}) {
+        const std::string message = refused(files);
+        EXPECT_NE(message.find(text), std::string::npos) << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+}
+
 }  // namespace vog::test

@@ -9,8 +9,6 @@
 #include <tiffio.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -19,6 +17,7 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "io/scan/scan_values.h"
+#include "io/scan/tiff/tiff_files.h"
 #include "io/scan/tiff/tiff_stack.h"
 #include "vog/text.h"
 #endif
@@ -143,19 +142,20 @@ struct Page {
 
 /// Copies rows of `from` into `to` [width * height], by one sample of `samples` side by side.
 void put(const PageForm& form, const char* from, std::uint32_t width, std::uint32_t rows,
-         std::uint32_t stride_px, std::uint32_t x0, std::uint32_t y0, std::size_t sample,
-         float* to) {
+         std::uint32_t stride_px, std::uint32_t x0, std::uint32_t y0, std::size_t sample, float* to,
+         Singles& singles) {
     const std::size_t bytes = bytes_of(form.type), samples = form.planar ? 1 : form.samples;
     for (std::uint32_t y = 0; y < rows && y0 + y < form.height; ++y)
         for (std::uint32_t x = 0; x < width && x0 + x < form.width; ++x)
-            to[std::size_t{y0 + y} * form.width + x0 + x] = number_from(
+            to[std::size_t{y0 + y} * form.width + x0 + x] = singles(number_from(
                 from + ((std::size_t{y} * stride_px + x) * samples + (form.planar ? 0 : sample)) *
                            bytes,
-                form.type);
+                form.type));
 }
 
 /// Reads one of several planes that follow each other without packing behind the first one's offset.
-void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
+void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to,
+              Singles& singles) {
     TIFF* handle = tiff.handle.get();
     if (tiff.tag<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE ||
         form.planar)
@@ -173,13 +173,20 @@ void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sa
     if (TIFFIsByteSwapped(handle))
         for (std::size_t n = 0; n < plane.size(); n += number)
             std::reverse(plane.data() + n, plane.data() + n + number);
-    put(form, plane.data(), form.width, form.height, form.width, 0, 0, sample, to);
+    put(form, plane.data(), form.width, form.height, form.width, 0, 0, sample, to, singles);
 }
 
-void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
+void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to,
+               Singles& singles) {
     TIFF* handle = tiff.handle.get();
     if (!TIFFSetDirectory(handle, page.directory)) tiff.fail("a page cannot be read");
     if (form_of(tiff) != form) tiff.fail("pages of several forms");
+    if (const auto packing = tiff.tag<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+        !TIFFIsCODECConfigured(packing))
+        throw Error(
+            fmt::format("{}: compression {}, which this build's libtiff does not read, "
+                        "expected none, Deflate or LZW",
+                        tiff.name, packing));
     const std::size_t pixel = (form.planar ? 1 : form.samples) * bytes_of(form.type);
     const auto which = static_cast<std::uint16_t>(form.planar ? sample : 0);
     std::vector<char> buffer;
@@ -200,11 +207,11 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
             for (std::uint32_t x = 0; x < form.width; x += width) {
                 if (TIFFReadTile(handle, buffer.data(), x, y, page.plane, which) < 0)
                     tiff.fail("truncated or corrupt");
-                put(form, buffer.data(), width, height, width, x, y, sample, to);
+                put(form, buffer.data(), width, height, width, x, y, sample, to, singles);
             }
         return;
     }
-    if (!page.single) return read_run(tiff, page, form, sample, to);
+    if (!page.single) return read_run(tiff, page, form, sample, to, singles);
     const auto rows =
         std::min(tiff.tag<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, form.height), form.height);
     if (rows == 0 || rows > (std::uint64_t{1} << 29) / (pixel * form.width))
@@ -216,7 +223,7 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
         if (TIFFReadEncodedStrip(handle, TIFFComputeStrip(handle, y, which), buffer.data(),
                                  bytes) != bytes)
             tiff.fail("truncated or corrupt");
-        put(form, buffer.data(), form.width, count, form.width, 0, y, sample, to);
+        put(form, buffer.data(), form.width, count, form.width, 0, y, sample, to, singles);
     }
 }
 
@@ -241,12 +248,30 @@ TiffStack stack_of(const Tiff& tiff, const PageForm& form) {
     const double x = tags.x_resolution, y = tags.y_resolution;
     if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))
         tags.x_resolution = tags.y_resolution = 0;
+    // Of OME's files, some only name the one with the description.
+    if (tags.description.find("BinaryOnly") != std::string::npos) return {};
     TiffStack stack = tiff_stack(tags);
     if (const auto turn = tiff.tag<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
         turn > ORIENTATION_TOPLEFT && turn <= ORIENTATION_LEFTBOT)
         stack.note += fmt::format("{}rows and columns as stored, without the tag Orientation {}",
                                   stack.note.empty() ? "" : "; ", turn);
     return stack;
+}
+
+/// throws vog::Error where a slice states other voxels than the first one
+void check_spacing(const Tiff& tiff, const TiffStack& own, const std::filesystem::path& first,
+                   const TiffStack& stack) {
+    constexpr double kRounding = 1e-4;
+    if (own.source == TiffStack{}.source ||
+        (own.units == stack.units &&
+         length(own.edge - stack.edge) <= kRounding * length(stack.edge)))
+        return;
+    const auto voxels = [](const TiffStack& one) {
+        return fmt::format("{:.6g} x {:.6g} x {:.6g} {}", one.edge.x, one.edge.y, one.edge.z,
+                           one.units.empty() ? "" : printable(one.units[0], 20));
+    };
+    throw Error(fmt::format("{}: voxels of {}, expected {} as in {}", tiff.name, voxels(own),
+                            voxels(stack), first.filename().string()));
 }
 
 /// MetaMorph's files have all planes behind one page, by tags of their own.
@@ -257,70 +282,19 @@ bool is_metamorph(const Tiff& tiff) {
     return false;
 }
 
-/// Whether a name matches a pattern with one or several *.
-bool matches(std::string_view pattern, std::string_view name) {
-    const std::size_t star = pattern.find('*');
-    if (star == std::string_view::npos) return pattern == name;
-    if (!name.starts_with(pattern.substr(0, star))) return false;
-    for (std::size_t from = star; from <= name.size(); ++from)
-        if (matches(pattern.substr(star + 1), name.substr(from))) return true;
-    return false;
-}
-
-/// Order of names in which slice 10 lies behind slice 9.
-bool by_number(const std::filesystem::path& a, const std::filesystem::path& b) {
-    const std::string x = a.filename().string(), y = b.filename().string();
-    const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-    for (std::size_t i = 0, j = 0; i < x.size() && j < y.size();) {
-        if (digit(x[i]) && digit(y[j])) {
-            std::string first, second;
-            for (; i < x.size() && digit(x[i]); ++i) first += x[i];
-            for (; j < y.size() && digit(y[j]); ++j) second += y[j];
-            first.erase(0, std::min(first.find_first_not_of('0'), first.size()));
-            second.erase(0, std::min(second.find_first_not_of('0'), second.size()));
-            if (first != second)
-                return first.size() != second.size() ? first.size() < second.size()
-                                                     : first < second;
-        } else if (x[i] != y[j]) {
-            return x[i] < y[j];
-        } else {
-            ++i, ++j;
-        }
-    }
-    return x < y;
-}
-
-/// The file, or the slices of a folder or a pattern in the order of their numbers.
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& file) {
-    std::error_code code;
-    const bool folder = std::filesystem::is_directory(file, code);
-    const std::string pattern = folder ? "*" : file.filename().string();
-    if (!folder && (pattern.find('*') == std::string::npos || std::filesystem::exists(file, code)))
-        return {file};
-    const std::filesystem::path parent = folder                   ? file
-                                         : file.has_parent_path() ? file.parent_path()
-                                                                  : std::filesystem::path(".");
-    constexpr std::size_t kLongest = 200;
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(parent, code))
-        if (const std::string name = entry.path().filename().string();
-            is_tiff(entry.path()) && name.size() < kLongest && matches(pattern, name))
-            files.push_back(entry.path());
-    if (files.empty()) throw Error(fmt::format("{}: no TIFF files of this pattern", file.string()));
-    std::ranges::sort(files, by_number);
-    return files;
-}
-
 }  // namespace
 
 ScanFile open_tiff(const std::filesystem::path& file) {
-    const std::vector<std::filesystem::path> files = files_of(file);
+    const std::vector<std::filesystem::path> files = tiff_files(file);
     std::vector<Page> pages;
     PageForm form;
     TiffStack stack;
     for (std::size_t n = 0; n < files.size(); ++n) {
         Tiff tiff(files[n]);
-        if (n == 0) form = form_of(tiff), stack = stack_of(tiff, form);
+        if (n == 0)
+            form = form_of(tiff), stack = stack_of(tiff, form);
+        else
+            check_spacing(tiff, stack_of(tiff, form), files[0], stack);
         check_bytes(tiff, form);
         for (std::uint32_t directory = 0;; ++directory) {
             if (directory > std::numeric_limits<std::uint16_t>::max())
@@ -385,22 +359,25 @@ ScanFile open_tiff(const std::filesystem::path& file) {
         BigVector<float> values;
         resize_kept(values, stack.slices * slice);
         std::optional<Tiff> tiff;
+        Singles stored, calibrated;
         std::size_t open = files.size();
         for (std::size_t z = 0; z < stack.slices; ++z) {
             const Page& page =
                 pages[stack.plane(image % stack.channels, z, image / stack.channels)];
             if (page.file != open) tiff.emplace(files[page.file]), open = page.file;
             float* const plane = values.data() + z * slice;
-            read_page(*tiff, page, form, sample, plane);
+            read_page(*tiff, page, form, sample, plane, stored);
             if (!stack.coefficients.empty())
-                std::transform(plane, plane + slice, plane, [&](float stored) {
+                std::transform(plane, plane + slice, plane, [&](float number) {
                     double value = 0;
                     for (std::size_t c = stack.coefficients.size(); c-- > 0;)
-                        value = value * double{stored} + stack.coefficients[c];
-                    return float_of(value);
+                        value = value * double{number} + stack.coefficients[c];
+                    return calibrated(value);
                 });
             keep_memory();
         }
+        stored.check(files[0].string());
+        calibrated.check(files[0].string());
         return values;
     };
     return scan;

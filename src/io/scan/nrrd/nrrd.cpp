@@ -3,86 +3,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <utility>
 
+#include "io/scan/nrrd/nrrd_head.h"
 #include "io/scan/scan_file.h"
 #include "io/scan/scan_values.h"
 #include "io/scan/text_head.h"
-#include "vog/error.h"
 #include "vog/text.h"
 
 namespace vog::scan {
 
 namespace {
-
-/// Fields of a head, by their names in lower case.
-struct NrrdHead {
-    std::filesystem::path file;
-    std::map<std::string, std::string> fields;
-    std::vector<std::string> list;  ///< names of files behind "data file: LIST"
-    std::uint64_t bytes = 0;        ///< to the end of the empty line behind the head
-
-    std::string text(const std::string& key) const {
-        const auto at = fields.find(key);
-        return at == fields.end() ? std::string() : at->second;
-    }
-    [[noreturn]] void fail(const std::string& what) const {
-        throw Error(fmt::format("{}: {}", file.string(), what));
-    }
-};
-
-/// Fields with one meaning under several names.
-std::string canonical(const std::string& key) {
-    static const std::map<std::string, std::string> kOther{
-        {"datafile", "data file"},    {"lineskip", "line skip"},
-        {"byteskip", "byte skip"},    {"sampleunits", "sample units"},
-        {"axismins", "axis mins"},    {"axismaxs", "axis maxs"},
-        {"centerings", "centers"},    {"blocksize", "block size"},
-        {"spaceunits", "space units"}};
-    const auto at = kOther.find(key);
-    return at == kOther.end() ? key : at->second;
-}
-
-NrrdHead read_nrrd_head(const std::filesystem::path& file) {
-    NrrdHead head;
-    head.file = file;
-    TextHead text(file);
-    std::string line;
-    if (!text.next(line) || !line.starts_with("NRRD000"))
-        head.fail("no first line 'NRRD000x', expected an NRRD file");
-    if (line.size() != 8 || line[7] < '1' || line[7] > '5')
-        head.fail(fmt::format("version '{}', expected NRRD0001 to NRRD0005", printable(line, 20)));
-    while (true) {
-        // The head of a detached file may end with the file.
-        if (!text.next(line)) {
-            if (!head.fields.contains("data file"))
-                head.fail("truncated: a head without the empty line at its end");
-            break;
-        }
-        if (line.empty()) break;
-        if (line.front() == '#') continue;
-        const std::size_t colon = line.find(": ");
-        const std::size_t pair = line.find(":=");
-        if (pair < colon) continue;  // keys and values of users
-        if (colon == std::string::npos)
-            head.fail(fmt::format("line '{}', expected 'field: value'", printable(line, 40)));
-        const std::string key = canonical(lower_case(line.substr(0, colon)));
-        if (key == "data file" && without_blanks(line.substr(colon + 2)).empty())
-            head.fail("data file names no file");
-        if (!head.fields.emplace(key, without_blanks(line.substr(colon + 2))).second)
-            head.fail(fmt::format("field '{}' twice", printable(key, 40)));
-        if (key == "data file" && words_of(head.text(key)).front() == "LIST")
-            while (text.next(line))
-                if (const std::string name(without_blanks(line)); !name.empty())
-                    head.list.push_back(name);
-    }
-    head.bytes = text.position();
-    return head;
-}
 
 Number type_of(const NrrdHead& head) {
     // Names of teem's library, between commas.
@@ -108,35 +43,6 @@ Number type_of(const NrrdHead& head) {
                           printable(head.text("type"), 40)));
 }
 
-/// Vectors "(1,0,0) none (0,0,2)" of 2 to 4 numbers: one for each axis; none, or NaN, for an axis not in space.
-using Vectors = std::vector<std::optional<std::vector<double>>>;
-
-Vectors vectors_of(const NrrdHead& head, const std::string& key) {
-    Vectors vectors;
-    std::string_view text = head.fields.at(key);
-    const auto fail = [&] {
-        head.fail(fmt::format("{} '{}', expected vectors (x,y,z) or none", key,
-                              printable(head.text(key), 60)));
-    };
-    while (!(text = without_blanks(text)).empty()) {
-        if (text.starts_with("none")) {
-            vectors.emplace_back();
-            text.remove_prefix(4);
-            continue;
-        }
-        const std::size_t end = text.find(')');
-        if (text.front() != '(' || end == std::string_view::npos) fail();
-        std::string inside(text.substr(1, end - 1));
-        for (char& c : inside)
-            if (c == ',') c = ' ';
-        const std::vector<double> v = numbers_of(head.file, key, inside);
-        if (v.size() < 2 || v.size() > 4) fail();
-        vectors.emplace_back();
-        if (!std::ranges::all_of(v, [](double x) { return std::isnan(x); })) vectors.back() = v;
-        text.remove_prefix(end + 1);
-    }
-    return vectors;
-}
 double component(const std::vector<double>& v, std::size_t n) { return n < v.size() ? v[n] : 0; }
 Vec3d in_space(const std::vector<double>& v) {
     return {component(v, 0), component(v, 1), component(v, 2)};
@@ -163,7 +69,7 @@ struct NrrdAxes {
 /// Whether an axis is in space: by its direction, else by its kind, else unless its spacing is NaN.
 /// Some writers state no spacing at all by NaN: then it says nothing of the axes.
 std::vector<bool> space_axes(const NrrdHead& head, std::size_t dimension,
-                             const Vectors& directions) {
+                             const NrrdVectors& directions) {
     std::vector<bool> space(dimension, true);
     const std::vector<std::string> kinds = words_of(lower_case(head.text("kinds")));
     std::vector<double> spacings;
@@ -187,7 +93,7 @@ std::vector<bool> space_axes(const NrrdHead& head, std::size_t dimension,
     return space;
 }
 
-NrrdAxes axes_of(const NrrdHead& head, std::size_t dimension, const Vectors& directions) {
+NrrdAxes axes_of(const NrrdHead& head, std::size_t dimension, const NrrdVectors& directions) {
     NrrdAxes axes;
     std::vector<std::size_t> others;
     const std::vector<bool> space = space_axes(head, dimension, directions);
@@ -231,12 +137,50 @@ Anatomy anatomy_of(const NrrdHead& head) {
                     printable(head.text("space"), 40)));
 }
 
-/// Voxels by spacings, from axis mins where those are given.
+/// Edge of the voxels along an axis, and the centre of the first one; NaN: not stated.
+struct NrrdSpan {
+    double edge = 1, first = 0;
+};
+
+/// Span of an axis by its spacing and its least and largest place, each NaN where it is not stated.
+/// axis  counts from 1, for messages
+/// throws vog::Error where they contradict each other
+NrrdSpan span_of(const NrrdHead& head, std::size_t axis, std::int64_t voxels,
+                 const std::string& center, double spacing, double least, double most) {
+    if (std::isinf(spacing) || std::isinf(least) || std::isinf(most))
+        head.fail(fmt::format("axis {} with spacing {} from {} to {}, expected finite numbers",
+                              axis, spacing, least, most));
+    const auto count = static_cast<double>(voxels);
+    const double cells = (most - least) / count,
+                 nodes = voxels > 1 ? (most - least) / (count - 1) : cells;
+    const auto is_spacing = [&](double edge) {
+        constexpr double kRounding = 1e-3;
+        return std::abs(spacing - edge) <= kRounding * std::abs(spacing);
+    };
+    // Places are those of the first and the last sample, or of the outer faces of their cells.
+    const bool node = center == "node" || (center != "cell" && is_spacing(nodes) && voxels > 1);
+    NrrdSpan span;
+    const double between = node ? nodes : cells;
+    if (std::isfinite(spacing + between) && !is_spacing(between))
+        head.fail(
+            fmt::format("axis {} from {} to {}, which is a spacing of {}, but its spacing is "
+                        "{}, expected one of them",
+                        axis, least, most, between, spacing));
+    if (std::isfinite(spacing))
+        span.edge = spacing;
+    else if (std::isfinite(between))
+        span.edge = between;
+    if (std::isnan(least)) least = most - span.edge * (node ? count - 1 : count);
+    span.first = least + (node ? 0 : span.edge / 2);
+    return span;
+}
+
+/// Voxels by spacings, from axis mins or up to axis maxs where those are given.
+/// note  receives the axes without a place beside others that have one
 Affine map_by_spacings(const NrrdHead& head, const std::vector<std::int64_t>& sizes,
-                       const NrrdAxes& axes) {
+                       const NrrdAxes& axes, std::string& note) {
     const std::size_t dimension = sizes.size();
     std::array<Vec3d, 3> axis{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    Vec3d origin;
     const auto numbers = [&](const char* key) {
         return head.fields.contains(key) ? numbers_of(head.file, key, head.text(key), dimension)
                                          : std::vector<double>(dimension, std::nan(""));
@@ -247,25 +191,50 @@ Affine map_by_spacings(const NrrdHead& head, const std::vector<std::int64_t>& si
             head.fail(fmt::format("{} without space directions, expected both or neither", key));
     const std::vector<double> spacings = numbers("spacings"), mins = numbers("axis mins"),
                               maxs = numbers("axis maxs");
-    const std::vector<std::string> centers = words_of(lower_case(head.text("centers")));
+    std::vector<std::string> centers = words_of(lower_case(head.text("centers")));
+    if (centers.size() != dimension) centers.assign(dimension, "");
+    Vec3d origin;
+    std::size_t placed = 0;
     for (std::size_t n = 0; n < axes.space.size(); ++n) {
         const std::size_t from = axes.space[n];
-        // A least place is that of the first sample, or of the outer face of its cell.
-        const bool node = centers.size() == dimension && centers[from] == "node";
-        const auto steps = static_cast<double>(sizes[from] - (node && sizes[from] > 1 ? 1 : 0));
-        double edge = 1;
-        if (std::isfinite(spacings[from]))
-            edge = spacings[from];
-        else if (std::isfinite(mins[from]) && std::isfinite(maxs[from]))
-            edge = (maxs[from] - mins[from]) / steps;
-        axis[n][static_cast<int>(n)] = edge;
-        if (!std::isfinite(mins[from])) continue;
-        origin[static_cast<int>(n)] = mins[from] + (node ? 0 : edge / 2);
+        const NrrdSpan span = span_of(head, from + 1, sizes[from], centers[from], spacings[from],
+                                      mins[from], maxs[from]);
+        axis[n][static_cast<int>(n)] = span.edge;
+        if (std::isnan(span.first)) {
+            note += fmt::format("{}axis {} has no least place, read as 0", note.empty() ? "" : "; ",
+                                from + 1);
+            continue;
+        }
+        origin[static_cast<int>(n)] = span.first;
+        ++placed;
     }
+    if (placed == 0) note.clear();
     return affine_of_axes(axis, origin);
 }
 
-Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes, const Vectors& directions) {
+/// throws vog::Error for vectors with other components than the space has dimensions
+void check_space(const NrrdHead& head, const NrrdVectors& directions) {
+    const std::string space = lower_case(head.text("space"));
+    const bool time = space.ends_with("time") || (space.size() == 4 && space.ends_with('t'));
+    std::optional<std::size_t> expected;
+    if (!space.empty()) expected = time ? 4 : 3;
+    if (head.fields.contains("space dimension"))
+        expected = integers_of(head.file, "space dimension", head.text("space dimension"), 1)[0];
+    NrrdVectors vectors = directions;
+    if (head.fields.contains("space origin"))
+        std::ranges::copy(vectors_of(head, "space origin"), std::back_inserter(vectors));
+    for (const auto& vector : vectors) {
+        if (vector && !expected) expected = vector->size();
+        if (vector && vector->size() != expected)
+            head.fail(
+                fmt::format("a space direction or origin of {} components in a space of {} "
+                            "dimensions, expected one for each",
+                            vector->size(), *expected));
+    }
+}
+
+Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes,
+                         const NrrdVectors& directions) {
     for (const char* key : {"axis mins", "axis maxs"})
         if (head.fields.contains(key) && !head.fields.contains("space origin"))
             head.fail(fmt::format("{} beside space directions, expected space origin", key));
@@ -309,6 +278,13 @@ void set_place(const NrrdHead& head, const std::vector<std::int64_t>& sizes, Sto
     else
         for (const auto& file : data_files(head.file, head.text("data file"), head.list, sizes))
             array.parts.push_back({file, 0, 0});
+    array.behind_head = !head.fields.contains("data file");
+    array.advice = fmt::format(": state 'byte skip: -1' for the last ones{}",
+                               array.behind_head ? "" : ", or 'byte skip: 0' for the first");
+    // Several heads may state places in one file.
+    if (!array.behind_head &&
+        (head.fields.contains("line skip") || head.fields.contains("byte skip")))
+        array.spare = kAnySpare;
     std::int64_t lines = 0, skip = 0;
     if (head.fields.contains("line skip"))
         lines = integers_of(head.file, "line skip", head.text("line skip"), 1)[0];
@@ -327,7 +303,9 @@ void set_place(const NrrdHead& head, const std::vector<std::int64_t>& sizes, Sto
             part.begin += static_cast<std::uint64_t>(skip);
     }
     // -1: the values are the last bytes; -2: they end one byte before the end.
-    if (skip < 0) place_at_end(array, static_cast<std::uint64_t>(-skip - 1));
+    if (skip >= 0) return;
+    place_at_end(array, static_cast<std::uint64_t>(-skip - 1));
+    array.spare = kAnySpare;
 }
 
 std::vector<std::string> nrrd_names(const NrrdHead& head, std::size_t dimension,
@@ -354,7 +332,7 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
     const std::vector<std::int64_t> sizes =
         integers_of(file, "sizes", head.text("sizes"), dimension);
 
-    Vectors directions;
+    NrrdVectors directions;
     if (head.fields.contains("space directions")) {
         directions = vectors_of(head, "space directions");
         if (directions.size() != dimension)
@@ -378,14 +356,16 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
     set_encoding(head, array);
     set_place(head, sizes, array);
 
+    ScanFile scan;
     ScanGrid grid;
     grid.size = {static_cast<std::int32_t>(edge(0)), static_cast<std::int32_t>(edge(1)),
                  static_cast<std::int32_t>(edge(2))};
     grid.type = type_name(array.type);
     grid.value_unit = head.text("sample units");
     if (directions.empty()) {
-        grid.world_from_index = map_by_spacings(head, sizes, axes);
+        grid.world_from_index = map_by_spacings(head, sizes, axes, scan.note);
     } else {
+        check_space(head, directions);
         const Anatomy anatomy = anatomy_of(head);
         grid.world_from_index =
             to_ras(map_by_directions(head, axes, directions), anatomy.left, anatomy.posterior);
@@ -407,7 +387,6 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
         head.fail(fmt::format("units '{}' beside space directions, expected space units",
                               printable(head.text("units"), 40)));
     set_units(file, units, grid);
-    ScanFile scan;
     // So ITK writes images of four axes, without the name of its space.
     if (head.text("space dimension") == "4" && head.text("space").empty())
         scan.note =
