@@ -25,8 +25,8 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "voxeli
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
 PUBLIC_HEADERS = {
     "core": "error linear memory progress temporary_file text",
-    "data": "camera cells dense distributed fields gaussians image levels lod points subject value_counts volume voxel_values",
-    "io": "exchange model_io openvdb ply scan_io site surface units vogz volume_io voxel_field",
+    "data": "camera cells dense distributed fields gaussians image levels lod points subject units value_counts volume voxel_values",
+    "io": "exchange model_io openvdb ply scan_io site surface vogz volume_io voxel_field",
     "shade": "exposure quantity shade value_transfer",
     "render": "clip field_maps periodic picture picture_record renderer request_schema scene volume_picture",
     "compare": "compare compare_maps vogz_fit",

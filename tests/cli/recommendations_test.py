@@ -83,7 +83,7 @@ ROWS = [
     ("page c.nrrd beside.nrrd -o p.html", r"(-o FOLDER/)", "+"),
     # Fields.
     ("render none.ply -o p.png --show volume", r"(vog convert VOLUME -o model.ply) makes", "{0}"),
-    ("render p.xyz -o p.png --show volume", r"\((vog convert p.xyz --field )NAME", "{0}speed -o q.ply"),
+    ("render p.xyz -o p.png --show volume", r"\((vog convert p.xyz --field) NAME", "{0} speed -o q.ply"),
     ("render none.ply -o p.png --show mean --field heat", r"(vog convert VOLUME -o model.ply --field \S+)", None),
     ("render m.ply -o p.png --show mean --field heat", r"expected one of (\w+)", "render m.ply -o p.png --show mean --field {0}"),
     ("render m.ply -o p.png --show volume --field heat", r"\(scalar fields: (\w+)", "render m.ply -o p.png --show volume --field {0}"),
@@ -127,6 +127,7 @@ ROWS = [
     ("convert c.nrrd -o m3.ply --set scratch=.", r"needs (--memory)", "+ 1G"),
     ("convert fine.nrrd -o m3.ply --for none --error 0.000001", r"(--error \S+) needs", "+"),
     ("convert same.csv -o m3.ply", r"\((--radius X)\)", "+"),
+    ("convert seconds.csv -o m3.ply", r"\((--radius adaptive)", "+"),
     ("convert c.nrrd -o models/", r"\((--again) converts", "+"),
     # Files of other programs, and words.
     ("a.png", r"(vog compare REFERENCE.png \S+)", "{0}"),
@@ -141,6 +142,7 @@ ROWS = [
 ]
 # Messages whose recommendation no run here can follow: [part of the literal, the reason].
 NOT_RUN = [
+    ("has arrays, but no Coordinates", "tests/io/points"),
     ("particles with a number that", "tests/io/points"), ("the default stops at", "a fact, of large volumes"), ("is a vector, but --show", "needs a grid of vectors"),
     ("with --show volume is of one", "recommends nothing"), ("xdg-open", "needs a desktop"), ("every machine that reaches", "a warning"), ("--host {}", "needs the network of this machine"),
     ("http.server", "of builds without cpp-httplib"), ("no display to open", "needs a desktop"), ("peak memory", "needs more memory than the limit"),
@@ -276,6 +278,7 @@ def make_inputs(case):
     (case.folder / "jaw.ply").write_text("\n".join(["ply", "format ascii 1.0", "element vertex 3", *("property float " + name for name in "xyz"), "element face 1",
                                                      "property list uchar int vertex_indices", "end_header", "0 0 0", "9 0 9", "0 9 9", "3 0 1 2"]) + "\n")
     (case.folder / "same.csv").write_text("x,y,z\n" + "1,1,1\n" * 9)
+    (case.folder / "seconds.csv").write_text("\n".join(["x,y,z,hsml", "m,m,m,s", *(row + ",0.5" for row in rows)]) + "\n")
     (case.folder / "map.json").write_text('{"colors": [[0, 0, 0, 0], [1, 1, 0.5, 0]]}')
     (case.folder / "empty").mkdir()
     (case.folder / "t.vog").write_text("wait\n")

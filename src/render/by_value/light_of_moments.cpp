@@ -160,6 +160,7 @@ LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& 
     shape_.per_range = 0.5f, shape_.per_part = static_cast<float>(0.5 / (high - low));
     fill_table(range.labels);
     resolved_ = follows();
+    surface_ = has_surface(transfer);
 }
 
 void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange& range,

@@ -50,6 +50,8 @@ class LightOfMoments {
     const std::vector<float>& table() const { return table_; }
     /// Whether the table follows the transfer function; else bands of it are narrower than the table's columns.
     bool resolved() const { return resolved_; }
+    /// has_surface of the transfer function.
+    bool surface() const { return surface_; }
 
   private:
     void add_pieces(const ValueTransfer& transfer, const ValueRange& range, bool per_value,
@@ -61,7 +63,7 @@ class LightOfMoments {
     std::vector<device::LightPiece> pieces_;
     std::vector<float> table_;   ///< of MeanLight
     device::MeanLight shape_{};  ///< its columns
-    bool resolved_ = true;
+    bool resolved_ = true, surface_ = false;
     double per_gradient_ = 0;  ///< share of GradientFactor by one of the range, world units
 };
 

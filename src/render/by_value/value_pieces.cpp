@@ -26,6 +26,13 @@ double slope(double from, double to, double width) { return width > 0 ? (to - fr
 
 }  // namespace
 
+bool has_surface(const ValueTransfer& transfer) {
+    return std::ranges::adjacent_find(
+               transfer.opacity, [](const ValueOpacity& a, const ValueOpacity& b) {
+                   return a.value == b.value && std::max(a.opacity, b.opacity) >= kMostOpacity;
+               }) != transfer.opacity.end();
+}
+
 device::GradientFactor gradient_factor(const ValueTransfer& transfer) {
     const std::vector<GradientOpacity>& points = transfer.gradient;
     validate(points);

@@ -14,6 +14,9 @@ namespace vog::by_value {
 /// throws  vog::Error as validate does
 device::GradientFactor gradient_factor(const ValueTransfer& transfer);
 
+/// Whether opacity steps up to kMostOpacity at a value: there a surface is drawn.
+bool has_surface(const ValueTransfer& transfer);
+
 /// Pieces between the points of colour and opacity, in each of which both are linear.
 class ValuePieces {
   public:

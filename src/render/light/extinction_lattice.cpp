@@ -196,6 +196,7 @@ void ExtinctionLattice::clip(const Clipping& clip) {
 void add_extinction(const Gaussians& gaussians, const ScalarField& field,
                     const LightOfMoments& light, double unit, const Collective* processes,
                     ExtinctionLattice& lattice) {
+    lattice.surfaces |= light.surface();
     const ValueRange range = value_range(field);
     std::vector<LatticeGaussian> all(gaussians.size());
     vog::parallel_for(std::size_t{0}, gaussians.size(), [&](std::size_t i) {
@@ -246,6 +247,7 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
 void add_extinction(const Volume& volume, const VoxelField& field, const ValueTransfer& transfer,
                     ExtinctionLattice& lattice) {
     const ValuePieces pieces(transfer);
+    lattice.surfaces |= has_surface(transfer);
     const VoxelValues& values = field.component.front();
     const bool own = values.leaf.empty() && values.tile.empty();
     std::optional<reference::FieldGrid> grid;
@@ -284,6 +286,7 @@ void add_extinction(const Cells& cells, std::span<const std::uint32_t> kept,
                     const CellValues& values, const ValueTransfer& transfer,
                     ExtinctionLattice& lattice) {
     const ValuePieces pieces(transfer);
+    lattice.surfaces |= has_surface(transfer);
     const bool own = &values == &cells.density;
     const double per_cell = 1 / (lattice.edge * lattice.edge * lattice.edge);
     add_in_parts(kept.size(), lattice, [&](std::size_t i, ExtinctionLattice& to) {

@@ -27,6 +27,7 @@ struct ExtinctionLattice {
     std::vector<double> sum;  ///< [size.z][size.y][size.x] extinction, 1 / world unit
     /// [cells] the same without what clear matter beside opaque matter lets pass; empty: that is `sum`
     std::vector<double> whole{};
+    bool surfaces = false;  ///< whether matter under has_surface() was added
 
     /// Lattice around a box, with two cells of empty space on each side.
     /// most_cells  along the longest edge of the box

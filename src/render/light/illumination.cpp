@@ -152,6 +152,7 @@ std::vector<float> opaque_cells(const ExtinctionLattice& extinction) {
 
 Illumination::Illumination(const ExtinctionLattice& extinction)
     : opaque_(opaque_cells(extinction)),
+      surfaces_(extinction.surfaces),
       first_(extinction.first),
       edge_(extinction.edge),
       size_(extinction.size),
@@ -207,7 +208,7 @@ ExtinctionLattice extinction_of(const LitModel& model, const VolumeLook& look) {
 Illumination illumination(const ExtinctionLattice& extinction, const VolumeLook& look,
                           Vec3d forward) {
     Illumination light(extinction);
-    light.set_surfaces(look.light);
+    light.set_shaded(look.light);
     if (look.shadows) light.set_direct(extinction, directions_of(look, forward), look.octaves);
     if (look.occlusion) light.set_ambient(extinction);
     return light;
@@ -253,7 +254,7 @@ bool KeptIllumination::update(int version, const LitModel& model, const VolumeLo
         if (look.occlusion) light_.set_ambient(*extinction_);
         changes = true;
     }
-    light_.set_surfaces(look.light);
+    light_.set_shaded(look.light);
     look_ = look, towards_ = std::move(towards);
     return changes;
 }
@@ -306,7 +307,7 @@ device::LightLattice Illumination::lattice(Vec3d origin, double unit) const {
         const double part = std::exp2(-octave);
         whole += part, left += part / (1 + part * device::LightLattice::kInside);
     }
-    if (!surfaces_) out.inside = whole / left - 1;
+    if (!surfaces_ && !shaded_) out.inside = whole / left - 1;
     for (std::size_t n = 0; n < towards_.size(); ++n) {
         const Vec3d to = normalized(towards_[n]);
         out.towards[n] = {to.x, to.y, to.z};

@@ -27,8 +27,8 @@ class Illumination {
                     int octaves);
     /// Light from all directions.
     void set_ambient(const ExtinctionLattice& extinction);
-    /// Whether light falls on surfaces, which is all of it; what is seen without them lies a little inside of opaque matter.
-    void set_surfaces(bool surfaces) { surfaces_ = surfaces; }
+    /// Whether light is shaded by gradients.
+    void set_shaded(bool shaded) { shaded_ = shaded; }
     void clear_direct() { direct_.clear(), towards_.clear(); }
     void clear_ambient() { ambient_.clear(); }
 
@@ -45,7 +45,7 @@ class Illumination {
     std::vector<float> opaque_;            ///< empty: no cell is
     std::vector<Vec3d> towards_{};
     int octaves_ = 1;
-    bool surfaces_ = false;
+    bool surfaces_ = false, shaded_ = false;
     Vec3d first_{};
     double edge_ = HUGE_VAL;
     Vec3i size_{2, 2, 2};

@@ -413,8 +413,7 @@ TEST(light, a_sphere_is_lit_evenly) {
             for (int x = 16; x < 48; ++x)
                 if (std::hypot(x - 31.5, y - 31.5) < 0.7 * kRadius) {
                     const std::size_t pixel = static_cast<std::size_t>(64 * y + x);
-                    EXPECT_NEAR(picture.sums.light[pixel].r, 0.3 + 0.7 * 0.4, 0.03)
-                        << x << ' ' << y;
+                    EXPECT_GT(picture.sums.light[pixel].r, 0.9) << x << ' ' << y;
                 }
     }
 }

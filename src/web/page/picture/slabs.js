@@ -5,7 +5,7 @@ import { add, dot, isSame, mul, sub } from '../vectors.js';
 import { axesOf } from '../camera.js';
 import { coveredBy } from './covered.js';
 import { ReachedLight, insideOf, lightsOf, towardsLightCells } from './light.js';
-import { lightOf } from './transfer.js';
+import { hasSurface, lightOf } from './transfer.js';
 
 const tableSize = [1024, 21];   // MeanLight of render/device/expected_light.h
 const pieceColumns = 1024;      // expected.glsl
@@ -294,7 +294,7 @@ export class Slabs {
     // Centres of texels lie half a cell from the faces.
     used.set('reach_eye', ...place(eye.map((one, k) => one - lattice.first[k] + 0.5 * lattice.edge)));
     used.set('reach_edge', lattice.edge);
-    used.set('inside', ...[shadows, what.light.occlusion].map((absorbed) => (absorbed && !on ? insideOf(shadows ? what.light.scattering : 1) : 0)));
+    used.set('inside', ...[shadows, what.light.occlusion].map((absorbed) => (absorbed && !on && !hasSurface(what.transfer) ? insideOf(shadows ? what.light.scattering : 1) : 0)));
     const towards = lattice.towards.map((to) => place(mul(towardsLightCells * lattice.edge, to))), zero = [0, 0, 0];
     used.setList('reach_light[0]', [zero, ...towards].slice(towards.length > 0 ? 1 : 0).flatMap((to) => [...to, 0]));
     used.set('reach_middle', ...towards.reduce((sum, to) => add(sum, mul(1 / towards.length, to)), zero));

@@ -9,6 +9,8 @@ const leastShare = 1e-3;  // of the range, below which a measure counts as this 
 /** Gradient opacity: factor of extinction by the length of a gradient, ± the source's per unit of the model; null: none. */
 export const steepOf = ({ gradient }, { unit }, model) => (gradient ? (slope) => walker(gradient)((slope * unit) / model.unit)[1] : null);
 
+/** Whether opacity steps up to mostOpacity at a value: has_surface() of render/by_value. */
+export const hasSurface = ({ opacity }) => opacity.some(([v, a], n) => n > 0 && v === opacity[n - 1][0] && Math.max(a, opacity[n - 1][1]) >= mostOpacity);
 export const extinctionOf = (opacity, unit) => -Math.log1p(-Math.max(0, Math.min(mostOpacity, opacity))) / unit;
 
 const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
