@@ -107,6 +107,10 @@ TEST_F(slices_command, are_turned_in_their_plane) {
     EXPECT_EQ(turned.up, (Vec3d{0, 0, 1}));
     EXPECT_NEAR(turned.orthographic_width, own.orthographic_width, 1e-9);
     EXPECT_EQ(wide.orthographic_width, 8);
+    must("render --request s.png -o again.png --up x");
+    const Camera again = *read_record(dir_ / "again.png").request.camera;
+    EXPECT_EQ(again.eye, own.eye);
+    EXPECT_EQ(again.up, own.up);
     const std::string slice = "render cube.vdb -o s.png --show slice --plane y=2 ";
     must_fail(2, slice + "--up y", "--up y: is along the view of the slice");
     must_fail(2, slice + "--frame data", "--frame has no effect with --show slice");

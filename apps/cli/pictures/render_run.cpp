@@ -304,6 +304,24 @@ ViewOfSites view_of_sites(const RenderArguments& arguments, const GivenOptions& 
     };
 }
 
+/// Makes the view of a slice the stored one, which --up, --set roll and --width change.
+/// throws  UsageError for options that it has no use for
+void place_slice(const ResolvedPicture& picture, const GivenOptions& command, ViewArguments& view) {
+    const bool of_request = view.stored.has_value();
+    if (!of_request) view.stored = picture.camera();
+    const Camera& camera = *view.stored;
+    const Vec3d forward = normalized(camera.look_at - camera.eye),
+                normal = normalized(picture.request.plane->normal);
+    view.along_plane = camera.orthographic() && length(cross(forward, normal)) < 1e-6;
+    if (!view.along_plane || !keeps_stored(view, command)) return;
+    if (view.orthographic && !of_request)
+        throw UsageError(
+            "--orthographic has no effect with --show slice, which is always orthographic");
+    if (command.has("--frame"))
+        throw UsageError(
+            "--frame has no effect with --show slice, which frames the section of the data");
+}
+
 }  // namespace
 
 std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOptions& command,
@@ -331,15 +349,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
     if (request.look.is_lit() && !request.camera)
         request.camera = first_camera(arguments, command, inputs.scene.subject);
     ResolvedPicture picture = resolve(request, inputs.scene);
-    if (request.show == Show::slice && !arguments.view.stored) {
-        arguments.view.stored = picture.camera(), arguments.view.along_plane = true;
-        if (keeps_stored(arguments.view, command) && arguments.view.orthographic)
-            throw UsageError(
-                "--orthographic has no effect with --show slice, which is always orthographic");
-        if (keeps_stored(arguments.view, command) && command.has("--frame"))
-            throw UsageError(
-                "--frame has no effect with --show slice, which frames the section of the data");
-    }
+    if (request.show == Show::slice) place_slice(picture, command, arguments.view);
     if (picture.unit_is_label && ranks.is_root)
         print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",
                                  arguments.drawing.inputs.front(), picture.name, request.unit)});
