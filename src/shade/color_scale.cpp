@@ -191,8 +191,10 @@ std::string tick_text(double value) {
     return text_of(value, 6);
 }
 
-std::vector<shading::Tick> shading::ticks_of(const ColorScale& scale, double least_gap) {
-    const std::vector<double> values = scale_ticks(scale, least_gap);
+std::vector<shading::Tick> shading::ticks_of(const ColorScale& scale, double least_gap,
+                                             bool whole) {
+    std::vector<double> values = scale_ticks(scale, least_gap);
+    if (whole) std::erase_if(values, [](double v) { return std::abs(v - std::round(v)) > 1e-6; });
     std::vector<Tick> ticks;
     for (std::size_t n = 0; n < values.size(); ++n) {
         double gap = std::abs(values[n]);

@@ -26,6 +26,7 @@ PLACEHOLDERS = {"MODEL": "m.ply", "VOLUME": "c.nrrd", "FILE.vogz": "o.vogz", "FI
 ROWS = [
     # Another option.
     ("render m.ply -o p.png --light head", r"works with (--show volume)", "+"),
+    ("render m.ply -o p.png --show slice --plane z --orthographic --view +x", r"edge-on; another (--view)", "+ +z"),
     ("render m.ply -o p.png --slabs 4", r"works with (--show volume)", "+"),
     ("render m.ply -o p.png --range 0,1", r"works with (--show column)", "+"),
     ("render m.ply -o p.png --set least-column=0.1", r"works with (--show mean)", "+ --field temperature"),

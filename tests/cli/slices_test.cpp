@@ -91,6 +91,30 @@ TEST_F(slices_command, have_the_colours_of_a_files_values) {
     for (const char* show : {"T", "column", "deviation --field density"})
         must_fail(2, std::string("render cube.vdb -o s.png --tf o.ctbl --show ") + show,
                   "--tf: o is a table of labels");
+    must_fail(2, slice + "o.ctbl --samples 4", "--samples: o is a table of labels, whose averages");
+    must_fail(2, slice + "o.ctbl --thickness 1", "--thickness: o is a table of labels");
+    must_fail(2, "render cube.vdb -o s.png --show volume --tf o.ctbl --interpolation linear",
+              "--interpolation: o is a table of labels");
+}
+
+TEST_F(slices_command, are_turned_in_their_plane) {
+    const auto camera = [&](const std::string& options) {
+        must("render cube.vdb -o s.png --show slice --size 16 --plane y=2 " + options);
+        return *read_record(dir_ / "s.png").request.camera;
+    };
+    const Camera own = camera(""), turned = camera("--up z"), wide = camera("--up z --width 8");
+    EXPECT_EQ(turned.eye, own.eye);
+    EXPECT_EQ(turned.up, (Vec3d{0, 0, 1}));
+    EXPECT_NEAR(turned.orthographic_width, own.orthographic_width, 1e-9);
+    EXPECT_EQ(wide.orthographic_width, 8);
+    must("render --request s.png -o again.png --up x");
+    const Camera again = *read_record(dir_ / "again.png").request.camera;
+    EXPECT_EQ(again.eye, own.eye);
+    EXPECT_EQ(again.up, own.up);
+    const std::string slice = "render cube.vdb -o s.png --show slice --plane y=2 ";
+    must_fail(2, slice + "--up y", "--up y: is along the view of the slice");
+    must_fail(2, slice + "--frame data", "--frame has no effect with --show slice");
+    EXPECT_NE(must(slice + "--view +x").error.find("the plane is seen edge-on"), std::string::npos);
 }
 
 TEST_F(slices_command, of_levels_have_the_name_of_other_pictures) {

@@ -163,6 +163,10 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
     };
     refused(1, "--band 9,10,red,0.5",
             "ramp.vdb: the band from 9 to 10 is outside the data's values, 1 to 8");
+    for (const char* value : {"0", "-1", "9"})
+        refused(1, std::string("--iso=") + value,
+                std::string("ramp.vdb: the surface at ") + value +
+                    " is outside the data's values, 1 to 8");
     refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
     refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
     refused(2, "--interpolation linear --set step=0",

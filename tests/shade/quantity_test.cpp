@@ -149,6 +149,13 @@ TEST(quantity, channels_need_values_for_every_pixel) {
     EXPECT_THROW(write_map("unused.exr", {3, 1, three}), Error);
 }
 
+TEST(quantity, ticks_of_labels_are_whole_numbers) {
+    std::vector<double> values;
+    for (const auto& tick : shading::ticks_of({Kind::linear, 0.5, 2.5}, 0.01, true))
+        values.push_back(tick.value);
+    EXPECT_EQ(values, (std::vector<double>{1, 2}));
+}
+
 TEST(quantity, ticks_are_one_two_five_steps_or_decades) {
     EXPECT_EQ(scale_ticks({Kind::linear, 0, 3.7}, 0.01),
               (std::vector<double>{0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5}));

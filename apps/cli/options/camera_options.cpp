@@ -92,6 +92,18 @@ Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, do
             " holds a pinhole camera, expected --orthographic");
     if (arguments.orthographic && !camera.orthographic())
         camera.orthographic_width = fitted_width(camera, framed(arguments, subject), aspect);
+    if (!arguments.up.empty()) {
+        const Vec3d up = parse_up(arguments.up), forward = normalized(camera.look_at - camera.eye);
+        if (!(length(cross(normalized(up), forward)) > 1e-6))
+            throw UsageError(fmt::format(
+                "--up {}: is along the view of the slice, expected a direction in its plane",
+                arguments.up));
+        Subject box = subject;
+        box.content.hull = Subject(outline_of(subject)).content.hull;
+        const double before = fitted_width(camera, box, aspect);
+        camera.up = up;
+        camera.orthographic_width *= fitted_width(camera, box, aspect) / before;
+    }
     if (arguments.width > 0) camera.orthographic_width = arguments.width;
     return arguments.roll_degrees != 0 ? rolled(camera, arguments.roll_degrees) : camera;
 }
@@ -159,8 +171,9 @@ Vec3d up_of(const ViewArguments& arguments, const Subject& subject) {
 bool view_given(const GivenOptions& command) { return !command.names(kViewGroup).empty(); }
 
 bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command) {
-    return arguments.stored && !command.has_any({"--view", "--distance", "--fov", "--frame",
-                                                 "--eye", "--look-at", "--up", "--camera"});
+    return arguments.stored &&
+           !command.has_any({"--view", "--distance", "--fov", "--eye", "--look-at", "--camera"}) &&
+           (arguments.along_plane || !command.has_any({"--frame", "--up"}));
 }
 
 Subject framed(const ViewArguments& arguments, const Subject& subject) {

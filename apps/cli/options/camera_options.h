@@ -14,7 +14,8 @@ struct ViewArguments {
     double distance_radii = 0, fov_degrees = kPaperFovDegrees, roll_degrees = 0, width = 0;
     bool orthographic = false;
     std::string frame = "content";
-    std::optional<Camera> stored{};  ///< of --request
+    std::optional<Camera> stored{};  ///< of --request, or of a slice
+    bool along_plane = false;        ///< stored is the view of a slice, which --up turns
 };
 
 /// Adds the options of cameras: --view, --eye, --up, --orthographic, --camera and theirs.
@@ -28,7 +29,7 @@ Vec3d up_of(const ViewArguments& arguments, const Subject& subject);
 /// Whether an option of the camera was given.
 bool view_given(const GivenOptions& command);
 
-/// Whether the camera is that of --request: no option places another. --set roll, --orthographic and --width change it.
+/// Whether the camera is that of --request: no option places another. --set roll, --up of a slice, --orthographic and --width change it.
 bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command);
 
 /// What a view of a subject frames by --frame: its hull, or its box.

@@ -54,6 +54,17 @@ std::size_t covered_by(const Picture& picture) {
     }));
 }
 
+/// Whether the plane of a slice almost holds the eye, or the direction of parallel rays: few rays meet it.
+bool is_edge_on(const PictureRequest& request) {
+    if (request.show != Show::slice) return false;
+    const Camera& camera = *request.camera;
+    const Vec3d normal = normalized(request.plane->normal), away = camera.look_at - camera.eye;
+    const double above =
+        dot(normal, camera.eye) - *request.plane->offset / length(request.plane->normal);
+    const double slope = camera.orthographic() ? dot(normal, away) : above;
+    return std::abs(slope) < 0.05 * length(away);
+}
+
 /// Figures of the numbers of a picture.
 void set_figures(const Picture& picture, RenderedPicture& figures) {
     const Show show = picture.made.request.show;
@@ -122,7 +133,10 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
         picture.notes.push_back(fmt::format(
             "{}: only {} of {} pixels show anything: {}", arguments.drawing.inputs.front(),
             count_text(covered), count_text(pixels),
-            made.request.options.clip.empty()
+            is_edge_on(made.request)
+                ? "the plane is seen edge-on; another --view shows it, and none looks along its "
+                  "normal"
+            : made.request.options.clip.empty()
                 ? "the data are smaller than a pixel or outside the view; --look-at, --distance "
                   "and --orthographic --width change it"
                 : "--clip cuts away what the view shows; another one keeps more"));
@@ -290,6 +304,24 @@ ViewOfSites view_of_sites(const RenderArguments& arguments, const GivenOptions& 
     };
 }
 
+/// Makes the view of a slice the stored one, which --up, --set roll and --width change.
+/// throws  UsageError for options that it has no use for
+void place_slice(const ResolvedPicture& picture, const GivenOptions& command, ViewArguments& view) {
+    const bool of_request = view.stored.has_value();
+    if (!of_request) view.stored = picture.camera();
+    const Camera& camera = *view.stored;
+    const Vec3d forward = normalized(camera.look_at - camera.eye),
+                normal = normalized(picture.request.plane->normal);
+    view.along_plane = camera.orthographic() && length(cross(forward, normal)) < 1e-6;
+    if (!view.along_plane || !keeps_stored(view, command)) return;
+    if (view.orthographic && !of_request)
+        throw UsageError(
+            "--orthographic has no effect with --show slice, which is always orthographic");
+    if (command.has("--frame"))
+        throw UsageError(
+            "--frame has no effect with --show slice, which frames the section of the data");
+}
+
 }  // namespace
 
 std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOptions& command,
@@ -317,12 +349,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
     if (request.look.is_lit() && !request.camera)
         request.camera = first_camera(arguments, command, inputs.scene.subject);
     ResolvedPicture picture = resolve(request, inputs.scene);
-    if (request.show == Show::slice && !arguments.view.stored) {
-        arguments.view.stored = picture.camera();
-        if (arguments.view.orthographic && keeps_stored(arguments.view, command))
-            throw UsageError(
-                "--orthographic has no effect with --show slice, which is always orthographic");
-    }
+    if (request.show == Show::slice) place_slice(picture, command, arguments.view);
     if (picture.unit_is_label && ranks.is_root)
         print_notes({fmt::format("{}: states no unit of {}; --units {} is only a label",
                                  arguments.drawing.inputs.front(), picture.name, request.unit)});

@@ -209,13 +209,11 @@ void SurfaceRays::add(Vec3d origin, Vec3d direction, Segment& within,
 }
 
 PlaneRays::PlaneRays(const ClipPlane& plane, std::vector<float> values,
-                     const ValueTransfer& transfer, bool hides_none, double opacity,
-                     const CameraFrame& frame)
+                     const ValueTransfer& transfer, const CameraFrame& frame)
     : plane_(plane),
       values_(std::move(values)),
       pieces_of_(transfer),
-      hides_none_(hides_none),
-      opacity_(opacity),
+      unit_distance_(transfer.unit_distance),
       frame_(frame) {}
 
 void PlaneRays::add(Vec3d origin, Vec3d direction, Segment& within,
@@ -230,8 +228,10 @@ void PlaneRays::add(Vec3d origin, Vec3d direction, Segment& within,
     const double value = double{values_[static_cast<std::size_t>(row * frame_.width + column)]};
     if (std::isnan(value)) return;
     const ValueLight light = pieces_of_(value);
-    if (hides_none_ && !(light.extinction > 0)) return;
-    reference::add_surface(t, opacity_, light, length(direction), within, pieces);
+    if (!(light.extinction > 0)) return;
+    const double opacity = -std::expm1(-light.extinction * unit_distance_);
+    reference::add_surface(t, opacity > kMostOpacity - 1e-5 ? 1 : opacity, light, length(direction),
+                           within, pieces);
 }
 
 }  // namespace vog::layers

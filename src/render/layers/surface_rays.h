@@ -71,10 +71,10 @@ class SurfaceRays : public reference::LitRays {
 /// A plane with the values at the pixels of a picture, in their colours.
 class PlaneRays : public reference::LitRays {
   public:
-    /// values      [height * width] NaN where the plane has a hole
-    /// hides_none  whether values of opacity 0 are holes, too
+    /// values    [height * width] NaN where the plane has a hole
+    /// transfer  whose opacities are those of the plane; 0 is a hole
     PlaneRays(const ClipPlane& plane, std::vector<float> values, const ValueTransfer& transfer,
-              bool hides_none, double opacity, const CameraFrame& frame);
+              const CameraFrame& frame);
     void add(Vec3d origin, Vec3d direction, reference::Segment& within,
              std::vector<reference::LitPiece>& pieces) const override;
 
@@ -82,8 +82,7 @@ class PlaneRays : public reference::LitRays {
     ClipPlane plane_;
     std::vector<float> values_;
     by_value::ValuePieces pieces_of_;
-    bool hides_none_;
-    double opacity_;
+    double unit_distance_;
     const CameraFrame& frame_;
 };
 

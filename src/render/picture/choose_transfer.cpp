@@ -40,17 +40,24 @@ void add_values(const Gaussians& gaussians, const ScalarField& field, std::size_
 void require_inside(const TransferRequest& request, const ValueData& data) {
     const auto require = [&](const std::string& what, double lower, double upper) {
         if (lower <= data.upper && upper > data.lower) return;
-        throw Error(
-            fmt::format("{} is outside the data's values, {} to {}", what, data.lower, data.upper));
+        throw Error(fmt::format("{} is outside the data's values, {:.6g} to {:.6g}", what,
+                                data.lower, data.upper));
     };
     if (const auto& window = request.window)
         require(fmt::format("the window {},{}", window->first, window->second),
                 window->first - window->second / 2, HUGE_VAL);
-    for (const ValueBand& band : request.bands)
-        require(std::isinf(band.upper)
-                    ? fmt::format("the surface at {}", band.lower)
-                    : fmt::format("the band from {} to {}", band.lower, band.upper),
-                band.lower, band.upper);
+    for (const ValueBand& band : request.bands) {
+        if (!std::isinf(band.upper)) {
+            require(fmt::format("the band from {} to {}", band.lower, band.upper), band.lower,
+                    band.upper);
+            continue;
+        }
+        // Densities have a surface towards empty space, too, which has the background.
+        const bool encloses =
+            band.lower >= data.lower || (data.is_measure && band.lower > data.background);
+        require(fmt::format("the surface at {}", band.lower), encloses ? band.lower : HUGE_VAL,
+                HUGE_VAL);
+    }
 }
 
 /// The spread, of values as near to each other as the bins of ValueCounts by all that is known: within two bins, and in the data.
@@ -217,8 +224,9 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
     if (request.threshold) chosen.transfer = above(std::move(chosen.transfer), *request.threshold);
     chosen.most_opacity = most_opacity(chosen.transfer, data.lower, data.upper);
     if (!(chosen.most_opacity > 0) && !request.may_be_empty)
-        throw Error(fmt::format("the transfer function shows none of the data's values, {} to {}",
-                                data.lower, data.upper));
+        throw Error(
+            fmt::format("the transfer function shows none of the data's values, {:.6g} to {:.6g}",
+                        data.lower, data.upper));
     return chosen;
 }
 

@@ -8,6 +8,8 @@
 #include "render/picture/request/request_effects.h"
 #include "render/picture/slice_plane.h"
 #include "shade/annotation/bitmap_font.h"
+#include "shade/annotation/ticks.h"
+#include "shade/values/label_table.h"
 #include "vog/error.h"
 #include "vog/exposure.h"
 #include "vog/picture.h"
@@ -124,11 +126,28 @@ void color_map(Picture& picture) {
     picture.image = shade_map(colored.shown, picture.made.colors, colored.scale, request.shading);
 }
 
+/// Coordinates beside a picture with a colour bar. Axes have them already.
+std::optional<SideTicks> sides_of(const Picture& picture, const Scene& scene) {
+    const Marks& marks = picture.made.request.marks;
+    if (!marks.color_bar || marks.axes) return {};
+    return side_ticks(picture.made.camera(), picture.image.width, picture.image.height,
+                      scene.subject.content.units.length);
+}
+
+/// The picture with its marks around it.
+/// of  picture or layer whose colours the bar has
+Image beside_bar(const Picture& picture, const TransferFunction& colors, const ColorScale& scale,
+                 const Annotation& around, const ResolvedPicture& of) {
+    const auto draw =
+        shading::is_label_table(of.request.transfer.points) ? shading::annotated_labels : annotated;
+    return draw(picture.image, colors, scale, around, picture.made.request.shading.background);
+}
+
 /// Adds the title, and a colour bar for each visible layer, with its file where fields have one name.
 void mark_layers(Picture& picture, const Scene& scene) {
     const ResolvedPicture& made = picture.made;
     const Marks& marks = made.request.marks;
-    Annotation around{marks.title, {}, marks.color_bar};
+    Annotation around{marks.title, {}, marks.color_bar, sides_of(picture, scene)};
     for (std::size_t n = 0; n < made.layers.size(); ++n) {
         const ResolvedPicture& layer = made.layers[n];
         if (layer.field.field.empty()) continue;  // hidden, or a surface
@@ -138,10 +157,10 @@ void mark_layers(Picture& picture, const Scene& scene) {
         around.label = quantity_label(Show::volume, layer.field.field, layer.unit);
         if (same > 1 && n < scene.layers.size() && !scene.layers[n].name.empty())
             around.label += " of " + std::filesystem::path(scene.layers[n].name).stem().string();
-        picture.image = annotated(picture.image, bar_of(layer.chosen), layer.chosen.scale, around,
-                                  made.request.shading.background);
+        picture.image =
+            beside_bar(picture, bar_of(layer.chosen), layer.chosen.scale, around, layer);
         if (!marks.color_bar) return;
-        around.title.clear();
+        around.title.clear(), around.sides.reset();
     }
 }
 
@@ -163,12 +182,8 @@ void mark(Picture& picture, const TransferFunction& colors, const Scene& scene) 
                               : show == Show::volume
                                   ? quantity_label(show, made.field.field, made.unit)
                                   : with_unit(made.name, made.unit);
-    Annotation around{marks.title, label, marks.color_bar};
-    // Axes have the coordinates already.
-    if (marks.color_bar && !marks.axes)
-        around.sides =
-            side_ticks(made.camera(), picture.image.width, picture.image.height, length_unit);
-    picture.image = annotated(picture.image, colors, picture.scale, around, background);
+    const Annotation around{marks.title, label, marks.color_bar, sides_of(picture, scene)};
+    picture.image = beside_bar(picture, colors, picture.scale, around, made);
 }
 
 /// Letters of a patient's directions at the middles of the sides of a slice.

@@ -102,11 +102,9 @@ VolumeImage layered_picture(const ResolvedPicture& picture, std::span<PreparedLa
                         std::make_unique<layers::SurfaceRays>(*layer.surface, layer.asked->color,
                                                               opacity, look, light.reached));
         } else if (const auto& plane = layer.asked->plane) {
-            const bool holes =
-                layer.asked->transfer.threshold || !layer.asked->transfer.bands.empty();
             rays.insert(rays.begin(), std::make_unique<layers::PlaneRays>(
                                           ClipPlane{plane->normal, *plane->offset},
-                                          std::move(layer.plane), transfer, holes, opacity, frame));
+                                          std::move(layer.plane), transfer, frame));
         } else if (layer.cells) {
             box.include(vog::bounds(layer.cells->cells()));
             rays.push_back(std::make_unique<reference::LitCells>(*layer.cells, *layer.values,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "render/picture/source_renderer.h"
+#include "shade/values/label_table.h"
 #include "vog/clip.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -36,12 +37,16 @@ ResolvedPicture of_period(ResolvedPicture picture, const Scene& scene) {
     return picture;
 }
 
-/// Values of a layer on its plane, NaN outside of the data.
-std::vector<float> on_plane(SourceRenderer& renderer, ResolvedPicture picture, const Scene& scene) {
-    if (!scene.has_voxels())
+/// Values of a layer on its plane, NaN outside of the data: those of a slice of the same data and field.
+/// field_name  of the layer; empty: the default
+std::vector<float> on_plane(SourceRenderer& renderer, ResolvedPicture picture, const Scene& scene,
+                            const std::string& field_name) {
+    if (!scene.has_voxels() && !scene.subject.content.by_value && field_name.empty())
         if (const ScalarField* field = scene.model().model->fields.find_scalar(picture.field.field);
             field && field->is_measure)
             picture.background = field->background, picture.field = {};
+    if (shading::is_label_table(picture.request.transfer.points))
+        picture.request.options.samples = 1;  // means of labels are other labels
     Sums sums;
     SourceRenderer::take(renderer.slice(picture, picture.field, {}), sums);
     set_slice(picture, sums);
@@ -129,9 +134,10 @@ struct PictureRenderer::State {
             PictureRequest& own = inside.back().request;
             own.camera = picture.request.camera;
             own.width = picture.request.width, own.height = picture.request.height;
-            prepared.push_back(
-                asked.plane ? PreparedLayer{.plane = on_plane(*of_layers[n], inside.back(), layer)}
-                            : of_layers[n]->layer(inside.back()));
+            prepared.push_back(asked.plane
+                                   ? PreparedLayer{.plane = on_plane(*of_layers[n], inside.back(),
+                                                                     layer, asked.field)}
+                                   : of_layers[n]->layer(inside.back()));
             prepared.back().asked = &asked;
             bounds.include(layer.has_voxels() ? layer.subject.box : view_box(*layer.model().model));
         }

@@ -196,8 +196,10 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         own = resolve(request_of(layer, request, data.has_voxels() || data.has_cells()), data);
         if (!layer.field.empty()) layer.field = own.field.field;
         layer.transfer = own.request.transfer, layer.fit = own.request.fit;
-        if (layer.plane) layer.plane = resolved_plane(*layer.plane, {}, data.subject);
-        own.request.plane = layer.plane;
+        if (layer.plane) {
+            own.request.plane = layer.plane = resolved_plane(*layer.plane, {}, data.subject);
+            own.chosen.transfer = plane_transfer(std::move(own.chosen.transfer), layer);
+        }
         if (names.empty()) picture.field = own.field, picture.chosen = own.chosen;
         names += (names.empty() ? "" : ", ") + field_label(own.field);
     }

@@ -131,6 +131,16 @@ Camera slice_view(const Subject& subject, const SlicePlane& plane, int width, in
     return camera;
 }
 
+ValueTransfer plane_transfer(ValueTransfer transfer, const Layer& layer) {
+    const TransferRequest& stated = layer.transfer;
+    if (!stated.bands.empty())
+        for (ValueOpacity& point : transfer.opacity) point.opacity = point.opacity > 0 ? 1 : 0;
+    else if (stated.points.points.opacity.empty())
+        transfer.opacity = {{0, 1}};
+    for (ValueOpacity& point : transfer.opacity) point.opacity *= layer.opacity.value_or(1);
+    return stated.threshold ? above(std::move(transfer), *stated.threshold) : transfer;
+}
+
 std::optional<SliceSides> slice_sides(const Camera& camera, const Standing& standing) {
     if (standing.front == Vec3d{} || !standing.known()) return {};
     const CameraFrame frame = frame_of(camera, 1, 1);

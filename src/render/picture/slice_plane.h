@@ -13,6 +13,11 @@ namespace vog {
 SlicePlane resolved_plane(SlicePlane plane, std::optional<double> thickness,
                           const Subject& subject);
 
+/// Colours and opacities of a layer's plane: opacities that its transfer function states hold as in maps, ramps and windows are opaque,
+/// bands, too, and thresholds leave holes. All are multiplied by Layer::opacity.
+/// transfer  of the layer's values in a volume
+ValueTransfer plane_transfer(ValueTransfer transfer, const Layer& layer);
+
 /// Share of a picture with axes, whose coordinates need room, that a section covers.
 inline constexpr double kShareWithAxes = 1 / 1.2;
 

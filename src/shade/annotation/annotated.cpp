@@ -66,7 +66,8 @@ std::vector<SideTick> ticks_up(const Layout& at, const SideTicks& sides, int hei
     return ticks_along(sides.up, height, tick_gap(at, height));
 }
 
-Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation& annotation) {
+Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation& annotation,
+                 bool whole) {
     Layout at;
     at.scale = text_scale(picture.height);
     at.gap *= at.scale, at.bar_width *= at.scale, at.tick_length *= at.scale;
@@ -91,7 +92,7 @@ Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation
     at.bar_left = at.right + 2 * at.gap;
     at.text_left = at.bar_left + at.bar_width + at.tick_length + at.gap / 2;
     int widest = 0;
-    for (const Tick& tick : ticks_of(scale, bar_gap(at)))
+    for (const Tick& tick : ticks_of(scale, bar_gap(at), whole))
         widest = std::max(widest, text_width(tick.text, at.scale));
     at.label_left = at.text_left + widest + at.gap;
     at.right = at.label_left + (annotation.label.empty() ? 0 : at.scale * kGlyphHeight + at.gap);
@@ -99,7 +100,8 @@ Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation
 }
 
 void draw_bar(const Layout& at, const TransferFunction& tf, const ColorScale& scale,
-              const std::string& label, const Rgba& background, const Rgba& ink, Image& image) {
+              const std::string& label, const Rgba& background, const Rgba& ink, Image& image,
+              bool whole) {
     const int rows = at.bottom - at.top;
     // A frame of one font pixel parts colours from a background of the same colour.
     fill(image, at.bar_left - at.scale, at.top - at.scale, at.bar_left + at.bar_width + at.scale,
@@ -112,7 +114,7 @@ void draw_bar(const Layout& at, const TransferFunction& tf, const ColorScale& sc
         color.a = 1;
         fill(image, at.bar_left, at.top + y, at.bar_left + at.bar_width, at.top + y + 1, color);
     }
-    for (const auto& [value, text] : ticks_of(scale, bar_gap(at))) {
+    for (const auto& [value, text] : ticks_of(scale, bar_gap(at), whole)) {
         const int y =
             at.bottom - static_cast<int>(std::lround(scale_position(scale, value) * rows));
         const int line = y - at.scale / 2;
@@ -167,14 +169,13 @@ void draw_sides(const Layout& at, const SideTicks& sides, int width, int height,
               ink, {up, true});
 }
 
-}  // namespace
-
-Image annotated(const Image& picture, const TransferFunction& tf, const ColorScale& scale,
-                const Annotation& annotation, Rgba background) {
+/// whole  ticks of the bar at whole numbers alone
+Image annotate(const Image& picture, const TransferFunction& tf, const ColorScale& scale,
+               const Annotation& annotation, Rgba background, bool whole) {
     require_valid("annotated", picture);
     require_glyphs("title", annotation.title);
     require_glyphs("label", annotation.label);
-    const Layout at = layout_of(picture, scale, annotation);
+    const Layout at = layout_of(picture, scale, annotation, whole);
     Image image(at.right, at.height);
     std::ranges::fill(image.pixel, background);
     for (int y = 0; y < picture.height; ++y)
@@ -189,8 +190,22 @@ Image annotated(const Image& picture, const TransferFunction& tf, const ColorSca
     }
     if (annotation.sides)
         draw_sides(at, *annotation.sides, picture.width, picture.height, ink, image);
-    if (annotation.color_bar) draw_bar(at, tf, scale, annotation.label, background, ink, image);
+    if (annotation.color_bar)
+        draw_bar(at, tf, scale, annotation.label, background, ink, image, whole);
     return image;
+}
+
+}  // namespace
+
+Image annotated(const Image& picture, const TransferFunction& tf, const ColorScale& scale,
+                const Annotation& annotation, Rgba background) {
+    return annotate(picture, tf, scale, annotation, background, false);
+}
+
+Image shading::annotated_labels(const Image& picture, const TransferFunction& tf,
+                                const ColorScale& scale, const Annotation& annotation,
+                                Rgba background) {
+    return annotate(picture, tf, scale, annotation, background, true);
 }
 
 }  // namespace vog

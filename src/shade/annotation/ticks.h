@@ -13,6 +13,11 @@ struct Tick {
     std::string text;  ///< differs from those of the other ticks, however far they are from 0
 };
 /// scale_ticks with texts of six digits, or as many as the nearest other tick needs.
-std::vector<Tick> ticks_of(const ColorScale& scale, double least_gap);
+/// whole  at whole numbers alone
+std::vector<Tick> ticks_of(const ColorScale& scale, double least_gap, bool whole = false);
+
+/// annotated, of a colour bar whose ticks are at whole numbers alone, as of labels.
+Image annotated_labels(const Image& picture, const TransferFunction& tf, const ColorScale& scale,
+                       const Annotation& annotation, Rgba background);
 
 }  // namespace vog::shading

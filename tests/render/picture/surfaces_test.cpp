@@ -235,6 +235,33 @@ TEST(slices, in_volumes_are_those_of_a_model_alone) {
     EXPECT_EQ(seen.a, 1);
 }
 
+TEST(slices, in_volumes_are_those_without_volumes) {
+    TransferFunction clear = named_transfer_function("gray");
+    clear.opacity = {{0, 0.1f}, {1, 0.7f}};
+    for (const bool by_value : {false, true})
+        for (const char* field : {"", "heat"})
+            for (const TransferFunction& map : {named_transfer_function("gray"), clear}) {
+                Gaussians model = *blob().model().model;
+                model.content.by_value = by_value;
+                model.fields.scalar.front().is_measure = true;
+                const vog::Scene scene = scene_of(std::move(model));
+                Layer layer;
+                layer.field = field;
+                layer.transfer.points = transfer_points(map);
+                layer.transfer.range.emplace(0, 10);
+                layer.plane = SlicePlane{"z", {}, 0.05};
+                PictureRequest layered = request_of({layer}), slice = request_of({});
+                slice.show = Show::slice, slice.plane = layer.plane;
+                slice.field = field, slice.transfer = layer.transfer;
+                // With the colours of the bar, and coordinates.
+                layered.marks.color_bar = slice.marks.color_bar = true;
+                EXPECT_LT(largest_difference(render(scene_of_layers({scene}), layered).image.pixel,
+                                             render(scene, slice).image.pixel),
+                          2e-3)
+                    << by_value << field << map.opacity.size();
+            }
+}
+
 TEST(surfaces, of_bad_requests_are_refused_in_one_line) {
     const auto refused = [](std::vector<vog::Scene> scenes, std::vector<Layer> layers) {
         return refusal([&] { (void)light_of(std::move(scenes), request_of(std::move(layers))); });

@@ -140,6 +140,26 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
     require_rules(request, renderer);
 }
 
+namespace {
+
+/// throws  RequestError for averages of labels, which are other labels
+void require_whole_labels(const PictureRequest& request) {
+    const TransferPoints& points = request.transfer.points;
+    if (!shading::is_label_table(points)) return;
+    const bool of_map = request.show == Show::slice || request.show == Show::maximum;
+    const auto refuse = [&](const char* key, const char* expected) {
+        throw RequestError(key, fmt::format(": {} is a table of labels, whose averages are other "
+                                            "labels; expected {}",
+                                            points.points.name, expected));
+    };
+    if (request.options.voxels.interpolation == Interpolation::linear)
+        refuse("interpolation", "nearest");
+    if (of_map && request.options.samples > 1) refuse("samples", "1");
+    if (of_map && request.thickness) refuse("thickness", "none");
+}
+
+}  // namespace
+
 std::optional<ColorScale> stated_scale(const PictureRequest& request) {
     const auto& [show, points, range] =
         std::tie(request.show, request.transfer.points, request.transfer.range);
@@ -149,6 +169,7 @@ std::optional<ColorScale> stated_scale(const PictureRequest& request) {
                            fmt::format(": {} is a table of labels; `show` {} shows none, expected "
                                        "`show` slice, volume, mean or maximum",
                                        points.points.name, word_of(show)));
+    require_whole_labels(request);
     if (of_values && points.at_values) {
         if (range || request.fit != ScaleFit::automatic)
             throw RequestError(range ? "range" : "scale",
