@@ -44,7 +44,7 @@ VALUES = {
     "--set joint-steps": "3", "--set least-column": "0.5", "--set tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--set ui-scale": "2", "--set variance-threshold": "0.3",
     "--set opacity-threshold": "0.2", "--set minimum-radius": "2", "--set host": "0.0.0.0", "--set allow-origin": "https://example.org", "--tf": "viridis", "--set stop-transmittance": "0.5",
     "--title": "T", "--set hits-per-slab": "1", "--set precision": "0.2", "--set asymmetry": "0.5", "--samples": "3", "--slabs": "4", "--set levels": "1", "--refine": "0.05",
-    "--plane": "y", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--set seed": "5",
+    "--plane": "y", "render --up": "z|y", "mpi render --up": "z|y", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--set seed": "5",
     "--request": "{made}/request.png", "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--set spread": "1.3", "--set background-value": "0.1", "--set soft-steps": "7", "--lod": "4",
 }
 
