@@ -280,8 +280,9 @@ bool is_surface_file(const std::filesystem::path& file) {
     std::string head(std::size_t{1} << 16, '\0');
     std::ifstream in(file, std::ios::binary);
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
-    const std::size_t faces = head.find("element face ");
-    return faces != head.npos && faces < head.find("end_header");
+    constexpr std::string_view kFaces = "element face ";
+    const std::size_t faces = head.find(kFaces);  // 0 of them in clouds of points
+    return faces < head.find("end_header") && head[faces + kFaces.size()] != '0';
 }
 
 Surface read_surface(const std::filesystem::path& file, std::vector<std::string>* notes) try {

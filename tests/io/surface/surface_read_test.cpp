@@ -119,6 +119,11 @@ TEST(read_surface, refuses_other_files_in_one_line) {
     EXPECT_NE(refused("p.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")
                   .find("expected triangles, .stl, .obj or .ply with faces"),
               std::string::npos);
+    EXPECT_NE(refused("q.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 0\nelement face 0\n"
+                      "property list uchar int vertex_indices\nend_header\n")
+                  .find("expected triangles, .stl, .obj or .ply with faces"),
+              std::string::npos);
     EXPECT_NE(refusal([&] { (void)read_surface(folder / "absent.stl"); }).find("no such file"),
               std::string::npos);
 }
