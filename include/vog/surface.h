@@ -32,7 +32,8 @@ void write_surface(const std::filesystem::path& file, const Surface& surface);
 /// Whether a file is one of read_surface: .stl, .obj, or a .ply whose header has faces.
 bool is_surface_file(const std::filesystem::path& file);
 /// Triangles of a .stl, .obj or .ply, with the colours of its points. Points at one place are one; polygons become triangles.
-/// notes   receives one on triangles left out, whose points are not finite or lie on a line
+/// Axes of a comment SPACE=LPS are turned to RAS, as those of scans.
+/// notes   receives one on that, and one on triangles left out, whose points are not finite or lie on a line
 /// throws  vog::Error for a file that cannot be read, or without triangles
 [[nodiscard]] Surface read_surface(const std::filesystem::path& file,
                                    std::vector<std::string>* notes = nullptr);

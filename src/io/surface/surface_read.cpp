@@ -292,6 +292,13 @@ Surface read_surface(const std::filesystem::path& file, std::vector<std::string>
     const std::string bytes{std::istreambuf_iterator<char>(in), {}}, format = extension_of(file);
     Polygons all;
     (format == ".stl" ? read_stl : format == ".obj" ? read_obj : read_ply_faces)(bytes, all);
+    // 3D Slicer and others state the axes in a comment: x to the patient's left, y to the back. Images are turned to RAS, too.
+    constexpr std::size_t kHead = 4096;
+    if (std::string_view(bytes).substr(0, kHead).find("SPACE=LPS") != std::string_view::npos) {
+        for (Vec3d& point : all.surface.point) point = {-point.x, -point.y, point.z};
+        if (notes)
+            notes->push_back(file.string() + ": states SPACE=LPS, turned to RAS as images are");
+    }
     const std::size_t count = all.surface.triangle.size();
     if (count == 0)
         fail(fmt::format("no triangles{}", all.left_out ? " with finite points and an area" : ""));

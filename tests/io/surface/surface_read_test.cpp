@@ -106,6 +106,18 @@ TEST(read_surface, leaves_out_triangles_that_are_none_and_says_so) {
     EXPECT_NE(notes[0].find("2 of 6 triangles left out"), std::string::npos);
 }
 
+TEST(read_surface, turns_left_and_posterior_axes_as_scans) {
+    const TempDir folder;
+    std::ofstream(folder / "s.obj")
+        << "# 3D Slicer output. SPACE=LPS\nv 1 2 3\nv 2 2 3\nv 1 4 3\nf 1 2 3\n";
+    std::vector<std::string> notes;
+    const Surface surface = read_surface(folder / "s.obj", &notes);
+    EXPECT_EQ(surface.point.at(0), (Vec3d{-1, -2, 3}));
+    EXPECT_EQ(surface.triangle.at(0), (std::array<std::uint32_t, 3>{0, 1, 2}))
+        << "a turn, not a mirror";
+    EXPECT_EQ(notes.size(), 1u);
+}
+
 TEST(read_surface, refuses_other_files_in_one_line) {
     const TempDir folder;
     const auto refused = [&](const char* name, const std::string& text) {

@@ -61,7 +61,7 @@ VOG_HD LightOfValue light_at(const VoxelPicture& p, const VoxelVolume& v, const 
     const Double3 gradient = gradient_at(v, at, value);
     if (by_gradient) light.extinction *= p.transfer.factor(sqrt(dot(gradient, gradient)));
     if (!p.look.on) return light;
-    const Shading by = p.look.shading(gradient, -1.0 * towards, {nullptr, towards, 0});
+    const Shading by = p.look.shading(gradient, -1.0 * towards, {nullptr, towards, 0, 1});
     for (int n = 0; n < 3; ++n) light.color[n] = fmin(by.body * light.color[n] + by.shine, 1.0);
     return light;
 }
