@@ -178,6 +178,14 @@ TEST_F(points_text, a_file_without_particles_is_refused) {
                 "   2     3\n"),
         "p.xyz: an IPAC table, expected columns between blanks or commas: astropy makes them by "
         "Table.read(FILE, format='ipac').write('particles.ecsv')");
+    const std::string wide(
+        "1\0,\0"
+        "2\0,\0"
+        "3\0\n\0",
+        12);
+    EXPECT_EQ(refused(wide, "p.csv"),
+              "p.csv: no text, or text in UTF-16; expected UTF-8 or ASCII (packed text ends in "
+              ".gz, a snapshot in .hdf5)");
     EXPECT_NE(error_of([&] { read_points(dir_ / "absent.xyz"); }).find("absent.xyz: no such file"),
               std::string::npos);
 }
