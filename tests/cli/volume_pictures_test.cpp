@@ -210,4 +210,21 @@ TEST_F(volume_pictures_command, show_the_largest_value) {
     must("render ramp.vdb second.vdb -o all/ --show maximum --size 8");
 }
 
+TEST_F(volume_pictures_command, scans_beside_images_without_axes_of_a_patient_are_noted) {
+    const std::string shape = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\n",
+                      values = "encoding: ascii\n\n1 1 1 1 1 1 1 1\n";
+    write_bytes(dir_ / "scan.nrrd", shape +
+                                        "space: right-anterior-superior\nspace directions: "
+                                        "(1,0,0) (0,1,0) (0,0,1)\nspace origin: (5,5,0)\n" +
+                                        values);
+    write_bytes(dir_ / "plain.nrrd", shape + "spacings: 1 1 1\n" + values);
+    EXPECT_NE(must("render scan.nrrd plain.nrrd -o p.png --size 8")
+                  .error.find("plain.nrrd states no axes of a patient as scan.nrrd does: they may "
+                              "lie half a turn apart"),
+              std::string::npos);
+    EXPECT_EQ(must("render scan.nrrd scan.nrrd --combine sum -o p.png --size 8")
+                  .error.find("axes of a patient"),
+              std::string::npos);
+}
+
 }  // namespace vog::test

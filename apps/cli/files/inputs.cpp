@@ -112,6 +112,13 @@ LoadedVolumes load_volumes(const std::vector<std::string>& files,
     const std::vector<fs::path> paths(files.begin(), files.end());
     LoadedVolumes loaded;
     static_cast<Levels&>(loaded) = read_levels(paths, level_options(options), &loaded.notes);
+    const auto of_patient = [](const Volume& volume) { return volume.standing.front != Vec3d{}; };
+    const auto stated = std::ranges::find_if(loaded.volumes, of_patient),
+               unstated = std::ranges::find_if_not(loaded.volumes, of_patient);
+    if (stated != loaded.volumes.end() && unstated != loaded.volumes.end())
+        loaded.notes.push_back(
+            fmt::format("{} states no axes of a patient as {} does: they may lie half a turn apart",
+                        unstated->source, stated->source));
     const Combination combination = combination_of(loaded.volumes.size(), options);
     loaded.overlap = combination.overlap;
     std::string how = combination.text;
