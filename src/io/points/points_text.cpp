@@ -96,8 +96,9 @@ class LineFile {
     std::string_view without_byte_order_mark(std::string_view text) const {
         if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
             throw Error(fmt::format("{}: text in UTF-16, expected UTF-8 or ASCII", name_));
-        constexpr std::size_t kBegin = 64;
-        if (text.substr(0, kBegin).find('\0') != text.npos)
+        constexpr std::size_t kBegin = 64, kMostZeros = 3;
+        if (text.starts_with("\x1f\x8b") ||
+            std::ranges::count(text.substr(0, kBegin), '\0') > std::ptrdiff_t{kMostZeros})
             throw Error(
                 fmt::format("{}: no text, or text in UTF-16; expected UTF-8 or ASCII "
                             "(packed text ends in .gz, a snapshot in .hdf5)",
