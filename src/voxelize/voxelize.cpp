@@ -82,7 +82,7 @@ bool is_empty(const IndexBox& box) {
     return box.lower.x > box.upper.x || box.lower.y > box.upper.y || box.lower.z > box.upper.z;
 }
 
-/// Voxels whose inside a box of the lattice holds.
+/// Voxels of which a box of the lattice holds a part.
 IndexBox voxels_in(const Box& box) {
     constexpr double kRounding = 1e-3;  // of a voxel, by which faces of levels may miss each other
     IndexBox inside;
@@ -91,15 +91,6 @@ IndexBox voxels_in(const Box& box) {
         inside.upper[axis] = static_cast<int>(std::ceil(box.upper[axis] - 0.5 - kRounding));
     }
     return inside;
-}
-/// Box of the lattice around a box in world space.
-Box lattice_box(const Affine& index_from_world, const Box& world) {
-    Box box;
-    for (int corner = 0; corner < 8; ++corner)
-        box.include(index_from_world({(corner & 1 ? world.upper : world.lower).x,
-                                      (corner & 2 ? world.upper : world.lower).y,
-                                      (corner & 4 ? world.upper : world.lower).z}));
-    return box;
 }
 
 /// Voxels of one block that have mass.
@@ -143,7 +134,7 @@ class Voxelizer {
             throw Error(fmt::format("{}: no mass, expected Gaussians of density > 0", where_));
         if (options.fields) make_fields();
         if (const std::optional<Box> period = periodic_box(model)) {
-            const IndexBox inside = voxels_in(lattice_box(index_from_world_, *period));
+            const IndexBox inside = voxels_in(transformed(index_from_world_, *period));
             options_.extent = options.extent ? common(inside, *options.extent) : inside;
         }
         limit_ = options.most_bytes ? options.most_bytes

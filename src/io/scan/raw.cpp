@@ -46,7 +46,7 @@ struct RawHead {
     [[noreturn]] void fail(const std::string& what) const {
         throw Error(fmt::format("{}: {}", file.string(), what));
     }
-    /// throws vog::Error where the key lacks, or its value is not exactly a T
+    /// throws vog::Error where the key is absent, or its value is not exactly a T
     template <class T>
     T at(const char* key) const {
         if (!json.contains(key)) fail(fmt::format("no key '{}'", key));

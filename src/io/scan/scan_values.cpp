@@ -119,7 +119,7 @@ class TextNumbers {
     }
 
   private:
-    /// Next word, as far as it is short; empty at the end.
+    /// Next word, or the beginning of a long one; empty at the end.
     std::string next_word() {
         constexpr std::size_t kLongest = 64;
         const auto blank = [](int c) {
