@@ -49,8 +49,10 @@ Camera slice_view(const Subject& subject, const SlicePlane& plane, int width, in
 
 /// Box that axes outline, world units: of the active voxels, where they are known.
 Box outline_of(const Subject& subject);
-/// Subject of fitted views of pictures with axes: their box, with room for the coordinates around it.
-Subject with_axes(Subject subject);
+struct PictureRequest;
+/// The part of the data that a fitted view of the picture frames: the part that the clip leaves, or all where it leaves nothing;
+/// with axes their box, with room for the coordinates around it. Distances are still in radii of the box of all.
+Subject shown_by(const PictureRequest& request, const Subject& subject);
 
 /// Extinction of a model that is drawn from many views, as exported splats are: auto_extinction of the fitted view `paper`.
 double default_extinction(const Gaussians& model);

@@ -95,7 +95,10 @@ Box framed_box(const Gaussians& model) {
 }
 
 Camera first_view(const Gaussians& model, const HtmlOptions& options) {
-    return options.camera ? *options.camera : default_view(subject_of(model), 1, 1);
+    PictureRequest request;
+    request.options.clip = options.quantity.look.clip;
+    return options.camera ? *options.camera
+                          : default_view(shown_by(request, subject_of(model)), 1, 1);
 }
 
 constexpr VogzPrecision kPrecisePage{kPagePrecision.step / 4, kPagePrecision.field_step / 2};

@@ -174,11 +174,11 @@ void open_viewer(WindowArguments arguments, const GivenOptions& command) {
     options.ui_scale = arguments.ui_scale;
     // Throws for options that exclude each other.
     const double aspect = double(window.width) / window.height;
-    camera_from(arguments.view, command, {}, aspect);
-    options.camera = [&, aspect](const Subject& subject) {
-        return camera_from(arguments.view, command, subject, aspect);
-    };
     PictureRequest request = arguments.words.over();
+    camera_from(arguments.view, command, {}, request, aspect);
+    options.camera = [&, aspect](const Subject& subject) {
+        return camera_from(arguments.view, command, subject, request, aspect);
+    };
     if (!request.layers.empty()) take_layers(options, arguments, request);
     request.layers.clear();  // the window opens the first input
     options.extinction = request.extinction.value_or(options.extinction);

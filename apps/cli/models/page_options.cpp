@@ -30,7 +30,8 @@ HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& com
     if (viewed)
         options.camera =
             camera_from(arguments.view, command,
-                        arguments.subject ? *arguments.subject : subject_of(first.levels[0]), 1);
+                        arguments.subject ? *arguments.subject : subject_of(first.levels[0]),
+                        page_request(arguments), 1);
     options.steps = arguments.steps;
     if (arguments.chosen) {
         options.quantity = *arguments.chosen;
@@ -42,8 +43,10 @@ HtmlOptions page_options(const PageArguments& arguments, const GivenOptions& com
 }
 
 void check_page_options(const PageArguments& arguments, const GivenOptions& command) {
-    (void)html_quantity(page_request(arguments));
-    if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
+    const PictureRequest request = page_request(arguments);
+    (void)html_quantity(request);
+    if (view_given(command))
+        camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, request, 1);
 }
 
 void check_names(const PageArguments& arguments, std::size_t models) {

@@ -91,7 +91,7 @@ Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, do
             "--width: " + (arguments.camera_file.empty() ? "the request" : arguments.camera_file) +
             " holds a pinhole camera, expected --orthographic");
     if (arguments.orthographic && !camera.orthographic())
-        camera.orthographic_width = fitted_width(camera, framed(arguments, subject), aspect);
+        camera.orthographic_width = fitted_width(camera, subject, aspect);
     if (!arguments.up.empty()) {
         const Vec3d up = parse_up(arguments.up), forward = normalized(camera.look_at - camera.eye);
         if (!(length(cross(normalized(up), forward)) > 1e-6))
@@ -154,7 +154,9 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         ->check(vector_error);
     command
         .add_option("--look-at", arguments.look_at,
-                    "Point x,y,z to look at, world units; default: the centre of the bounding box")
+                    "Point x,y,z to look at, world units, from as far as shows all, or --distance; "
+                    "default: "
+                    "the middle of what the data show")
         ->check(vector_error);
     add_up_option(command, arguments);
     add_value(command, setting("roll"), arguments.roll_degrees, "",
@@ -176,20 +178,22 @@ bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command) {
            (arguments.along_plane || !command.has_any({"--frame", "--up"}));
 }
 
-Subject framed(const ViewArguments& arguments, const Subject& subject) {
-    Subject shown = subject;
-    if (arguments.frame == "data" || arguments.view == "paper")
+Subject framed(const ViewArguments& arguments, const Subject& subject,
+               const PictureRequest& request) {
+    Subject shown = shown_by(request, subject);
+    if (!request.marks.axes && (arguments.frame == "data" || arguments.view == "paper"))
         shown.content.hull = Subject(subject.box).content.hull;
     return shown;
 }
 
 Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
-                   const Subject& subject, double aspect) {
+                   const Subject& subject, const PictureRequest& request, double aspect) {
+    const Subject shown = framed(arguments, subject, request);
     const auto given = [&](const char* option) { return command.has(option); };
     const bool stored = keeps_stored(arguments, command);
     if (given("--width") && !given("--orthographic") && !given("--camera") && !stored)
         throw UsageError("--width needs --orthographic");
-    if (given("--camera") || stored) return camera_of_file(arguments, subject, aspect);
+    if (given("--camera") || stored) return camera_of_file(arguments, shown, aspect);
 
     Orbit orbit = given("--up") ? Orbit{} : first_orbit(subject);
     if (given("--up")) orbit.up = parse_up(arguments.up);
@@ -202,15 +206,17 @@ Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
     else if (given("--view"))
         set_view(orbit, arguments.view);
     if (given("--distance")) orbit.distance_radii = arguments.distance_radii;
-    Camera camera = orbit_view(framed(arguments, subject), orbit, aspect);
+    Camera camera = orbit_view(shown, orbit, aspect);
     if (!given("--eye") && !given("--look-at")) return camera;
 
     const Vec3d target =
         given("--look-at") ? parse_vector("--look-at", arguments.look_at) : camera.look_at;
-    // An orbit about another point keeps its angles and distance.
+    // An orbit about another point keeps its angles, and a distance that is stated.
     if (!given("--eye")) {
         camera.eye = camera.eye + (target - camera.look_at);
         camera.look_at = target;
+        if (orbit.distance_radii == 0 && !orbit.orthographic)
+            camera.eye = fitted(camera, shown, aspect, false).eye;
     } else {
         camera.look_at = target;
         camera.eye = parse_vector("--eye", arguments.eye);
@@ -218,7 +224,7 @@ Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
         if (orbit.roll_degrees != 0) camera = rolled(camera, orbit.roll_degrees);
     }
     if (orbit.orthographic && orbit.width == 0)
-        camera.orthographic_width = fitted_width(camera, framed(arguments, subject), aspect);
+        camera.orthographic_width = fitted_width(camera, shown, aspect);
     return camera;
 }
 

@@ -6,6 +6,7 @@
 
 #include "options/parser/given_options.h"
 #include "vog/camera.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -32,14 +33,15 @@ bool view_given(const GivenOptions& command);
 /// Whether the camera is that of --request: no option places another. --set roll, --up of a slice, --orthographic and --width change it.
 bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command);
 
-/// What a view of a subject frames by --frame: its hull, or its box.
-Subject framed(const ViewArguments& arguments, const Subject& subject);
+/// What a view of a subject frames by --frame: what the picture shows, or the box.
+Subject framed(const ViewArguments& arguments, const Subject& subject,
+               const PictureRequest& request);
 
 /// The camera of the options. It looks at the subject unless they name a point.
 /// aspect  width / height of the picture that a fitted box shall fill
 /// throws  vog::Error for an unreadable --camera file, UsageError for options that
 ///         exclude each other or cannot be parsed
 Camera camera_from(const ViewArguments& arguments, const GivenOptions& command,
-                   const Subject& subject, double aspect);
+                   const Subject& subject, const PictureRequest& request, double aspect);
 
 }  // namespace vog::cli

@@ -294,9 +294,7 @@ ViewOfSites view_of_sites(const RenderArguments& arguments, const GivenOptions& 
     const PictureRequest& request = arguments.request;
     if (arguments.turntable || ranks.divided() || request.show == Show::slice) return {};
     return [&](const Subject& subject) -> SiteView {
-        const Camera camera =
-            camera_from(arguments.view, command, arguments.subject.value_or(subject),
-                        double(request.width) / request.height);
+        const Camera camera = first_camera(arguments, command, subject);
         // Nodes have means of values, below the largest ones.
         const double pixel_error = request.show == Show::maximum ? 0 : 1;
         return {frame_of(camera, request.width, request.height),

@@ -90,12 +90,6 @@ Vec3d turn_axis(const RenderArguments& arguments, const GivenOptions& command, c
                           : up_of(arguments.view, subject));
 }
 
-/// What fitted pictures frame.
-Subject shown_subject(const RenderArguments& arguments, const Subject& subject) {
-    const Subject shown = framed(arguments.view, subject);
-    return arguments.request.marks.axes ? with_axes(shown) : shown;
-}
-
 /// Creates the folder of an output that is one.
 void create_folder(const std::string& output) {
     if (output.empty() || !is_sequence(output)) return;
@@ -129,8 +123,8 @@ std::vector<std::string> numbered_outputs(const std::string& output, int count,
 
 Camera first_camera(const RenderArguments& arguments, const GivenOptions& command,
                     const Subject& subject) {
-    return camera_from(arguments.view, command,
-                       shown_subject(arguments, arguments.subject.value_or(subject)),
+    return camera_from(arguments.view, command, arguments.subject.value_or(subject),
+                       arguments.request,
                        double(arguments.request.width) / arguments.request.height);
 }
 
@@ -138,7 +132,8 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments,
                                           const GivenOptions& command, const Subject& subject,
                                           const DrawView& draw) {
     const double aspect = double(arguments.request.width) / arguments.request.height;
-    const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
+    const Subject shown =
+        framed(arguments.view, arguments.subject.value_or(subject), arguments.request);
     const bool stored = keeps_stored(arguments.view, command);
     Camera first = first_camera(arguments, command, subject);
     std::vector<Camera> cameras{first};

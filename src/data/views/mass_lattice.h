@@ -51,6 +51,22 @@ inline Vec3d rounded(Vec3d point, double length) {
     return point;
 }
 
+/// Few points of a hull, from the farthest one along each direction.
+template <class Farthest>
+std::vector<Vec3d> hull_points(double radius, const Farthest& farthest) {
+    const double slack = kHullAccuracy * radius;
+    std::vector<Vec3d> points;
+    for (const int fineness : {1, 3})
+        for (const Vec3d& direction : directions(fineness))
+            for (const Vec3d& d : {direction, -direction}) {
+                const Vec3d last = farthest(d);
+                const bool held = std::ranges::any_of(
+                    points, [&](Vec3d p) { return dot(p, d) >= dot(last, d) - slack; });
+                if (!held) points.push_back(rounded(last, radius));
+            }
+    return points;
+}
+
 /// Mass of the data on a lattice of cubic cells in a box.
 class MassLattice {
   public:
@@ -113,25 +129,15 @@ class MassLattice {
     /// Points whose hull holds what is seen; none where there is no mass.
     std::vector<Vec3d> hull() {
         to_light();
-        std::vector<Vec3d> points;
         const std::vector<Row> rows = rows_between(most_of_the_light());
         if (rows.empty()) return {};
         Box box;
         for (const Row& row : rows)
             for (const double side : {-1.0, 1.0}) box.include(corner(row, {side, side, side}));
-        const double slack = kHullAccuracy * box.radius();
-        for (const int fineness : {1, 3})
-            for (const Vec3d& direction : directions(fineness))
-                for (const Vec3d& d : {direction, -direction}) {
-                    const auto along = [&](Vec3d a) { return dot(a, d); };
-                    const Row& last = std::ranges::max(
-                        rows, {}, [&](const Row& row) { return along(corner(row, d)); });
-                    const Vec3d farthest = corner(last, d);
-                    const bool held = std::ranges::any_of(
-                        points, [&](Vec3d p) { return along(p) >= along(farthest) - slack; });
-                    if (!held) points.push_back(rounded(farthest, box.radius()));
-                }
-        return points;
+        return hull_points(box.radius(), [&](Vec3d d) {
+            const auto along = [&](const Row& row) { return dot(corner(row, d), d); };
+            return corner(std::ranges::max(rows, {}, along), d);
+        });
     }
 
   private:

@@ -56,7 +56,7 @@ void complete(Picture& picture) {
     }
 }
 
-/// Colours and opacities over the range of a volume, as a colour bar takes them.
+/// Colours over the range of a volume, as a colour bar takes them; none where nothing is opaque.
 TransferFunction bar_of(const ChosenTransfer& chosen) {
     constexpr std::size_t kSteps = 1024;  // pixels of a bar, about
     std::vector<Rgba> colors;
@@ -66,9 +66,8 @@ TransferFunction bar_of(const ChosenTransfer& chosen) {
         const double value = kind == ColorScale::Kind::log ? low * std::pow(high / low, share)
                                                            : std::lerp(low, high, share);
         const ValueLight light = light_of(chosen.transfer, value);
-        const double opacity = -std::expm1(-light.extinction * chosen.transfer.unit_distance);
         colors.push_back({static_cast<float>(light.r), static_cast<float>(light.g),
-                          static_cast<float>(light.b), static_cast<float>(opacity)});
+                          static_cast<float>(light.b), light.extinction > 0 ? 1.0f : 0.0f});
     }
     return sampled_transfer_function(chosen.transfer.name, colors);
 }

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
+#include "data/views/mass_lattice.h"
 #include "render/splat/splat.h"
 #include "shade/annotation/ticks.h"
 #include "vog/error.h"
@@ -13,15 +15,39 @@
 
 namespace vog {
 
-Camera default_view(const Subject& subject, int width, int height) {
-    const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
-    return orbit_view(subject, first_orbit(subject), aspect);
+namespace {
+
+/// The part that a clip leaves; all of it where nothing stays.
+Subject clipped(Subject subject, const Clipping& clip) {
+    std::vector<Vec3d> hull = subject.content.hull;
+    const auto cut = [&](Vec3d normal, double offset) {
+        const auto above = [&](Vec3d p) { return dot(p, normal) - offset; };
+        std::vector<Vec3d> kept;
+        std::ranges::copy_if(hull, std::back_inserter(kept),
+                             [&](Vec3d p) { return above(p) >= 0; });
+        if (kept.empty() || kept.size() == hull.size()) return std::swap(hull, kept);
+        Box box;
+        for (const Vec3d& p : hull) box.include(p);
+        // Where the plane meets the hull its corners lie between two points of it.
+        for (std::size_t n = 0, inside = kept.size(); n < inside; ++n)
+            for (const Vec3d& out : hull)
+                if (const double high = above(kept[n]), low = above(out); low < 0)
+                    kept.push_back(kept[n] + (high / (high - low)) * (out - kept[n]));
+        hull = views::hull_points(box.radius(), [&](Vec3d d) {
+            return std::ranges::max(kept, {}, [&](Vec3d p) { return dot(p, d); });
+        });
+    };
+    for (const ClipPlane& plane : clip.planes) cut(plane.normal, plane.offset);
+    for (int axis = 0; clip.box && axis < 3; ++axis) {
+        Vec3d along;
+        along[axis] = 1;
+        cut(along, clip.box->lower[axis]), cut(-along, -clip.box->upper[axis]);
+    }
+    if (!hull.empty()) subject.content.hull = std::move(hull);
+    return subject;
 }
 
-Box outline_of(const Subject& subject) {
-    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
-}
-
+/// The box that axes outline, with room for the coordinates around it.
 Subject with_axes(Subject subject) {
     const Box box = outline_of(subject);
     if (box.empty()) return subject;
@@ -37,6 +63,22 @@ Subject with_axes(Subject subject) {
     const Vec3d half = (0.5 * room) * (box.upper - box.lower);
     subject.content.hull = Subject(Box{box.center() - half, box.center() + half}).content.hull;
     return subject;
+}
+
+}  // namespace
+
+Camera default_view(const Subject& subject, int width, int height) {
+    const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
+    return orbit_view(subject, first_orbit(subject), aspect);
+}
+
+Box outline_of(const Subject& subject) {
+    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
+}
+
+Subject shown_by(const PictureRequest& request, const Subject& subject) {
+    if (request.marks.axes) return with_axes(subject);
+    return clipped(subject, request.options.clip);
 }
 
 double default_extinction(const Gaussians& model) {

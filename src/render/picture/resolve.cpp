@@ -337,8 +337,8 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
         request.camera = slice_view(scene.subject, *request.plane, request.width, request.height,
                                     request.marks.axes ? kShareWithAxes : 1);
     if (!request.camera)
-        request.camera = default_view(request.marks.axes ? with_axes(scene.subject) : scene.subject,
-                                      request.width, request.height);
+        request.camera =
+            default_view(shown_by(request, scene.subject), request.width, request.height);
     VolumeLook& look = request.look;
     if (look.studio) {
         look.shadows = look.occlusion = true;

@@ -196,6 +196,37 @@ TEST(picture_defaults, axes_have_the_coordinates_that_a_colour_bar_has_beside_it
     EXPECT_EQ(render(scene, request).image.width, perspective) << "those of the axes alone";
 }
 
+TEST(picture_defaults, views_are_fitted_to_what_a_clip_leaves) {
+    const Subject all = scene_of(Cube(1).volume).subject;
+    PictureRequest request;
+    request.options.clip.box = Box{{-3, 1, 2}, {3, 9, 3}};
+    request.options.clip.planes = {{{0, -2, 0}, -6}};  // y <= 3
+    Box seen;
+    for (const Vec3d& point : shown_by(request, all).content.hull) seen.include(point);
+    const Box expected{{-0.5, 1, 2}, {3, 3, 3}};
+    EXPECT_LT(length(seen.lower - expected.lower), 0.1);
+    EXPECT_LT(length(seen.upper - expected.upper), 0.1);
+    EXPECT_EQ(shown_by(request, all).box.radius(), all.box.radius());
+    // A plane across a corner: three points on edges, the corner, and no more than the rounding of few points leaves out.
+    request.options.clip = {{}, {{{1, 1, 1}, 3 * 7.5 - 3}}};
+    seen = {};
+    for (const Vec3d& point : shown_by(request, all).content.hull) {
+        seen.include(point);
+        EXPECT_GE(point.x + point.y + point.z, 3 * 7.5 - 3 - 0.1);
+    }
+    EXPECT_LT(length(seen.lower - Vec3d{4.5, 4.5, 4.5}), 0.2);
+    EXPECT_LT(length(seen.upper - Vec3d{7.5, 7.5, 7.5}), 0.2);
+    for (const double offset : {-1e3, 1e3}) {  // cuts nothing; leaves nothing
+        request.options.clip = {{}, {{{0, 0, 1}, offset}}};
+        EXPECT_EQ(shown_by(request, all).content.hull, all.content.hull);
+    }
+    request.marks.axes = true;
+    request.options.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
+    EXPECT_GT(fitted_width(default_view(all, 1, 1), shown_by(request, all)),
+              fitted_width(default_view(all, 1, 1), all))
+        << "axes outline all";
+}
+
 TEST(picture_defaults, data_without_extent_mass_or_range_have_one) {
     const auto scale_of = [](double value) {
         return value_scale({value, value, {value, value, value, true}, {}, 1, true, {}});
