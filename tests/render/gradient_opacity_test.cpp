@@ -154,6 +154,7 @@ TEST(gradient_opacity, of_a_factor_1_changes_nothing) {
 }
 
 TEST(gradient_opacity, is_the_same_by_every_renderer) {
+    constexpr int kSize = kEdge / 2;
     const Steep of;
     for (const bool light : {false, true})
         for (const bool shadows : {false, true}) {
@@ -162,15 +163,15 @@ TEST(gradient_opacity, is_the_same_by_every_renderer) {
             options.look.light = light, options.look.shadows = shadows;
             options.look.lights = {{{1, 2, 1}}};
             const auto splat_of = [&](const ValueTransfer& transfer) {
-                return render_volume_splat(of.model, of.field.name, transfer, of.camera, kEdge,
-                                           kEdge, options);
+                return render_volume_splat(of.model, of.field.name, transfer, of.camera, kSize,
+                                           kSize, options);
             };
             const VolumeImage splat = splat_of(of.transfer);
             ValueTransfer without = of.transfer;
             without.gradient = {};
             EXPECT_LT(psnr(splat, splat_of(without)), 35);
             const VolumeImage trace =
-                render_volume_trace(of.model, of.field.name, of.transfer, of.camera, kEdge, kEdge,
+                render_volume_trace(of.model, of.field.name, of.transfer, of.camera, kSize, kSize,
                                     {}, {}, options.look);
             EXPECT_GT(psnr(splat, trace), 38) << light << shadows;
             for (const std::string& target : splat_targets()) {
@@ -181,7 +182,7 @@ TEST(gradient_opacity, is_the_same_by_every_renderer) {
                 gpu.prepare();
                 const VolumeImage picture = GpuPictures(gpu.renderer, of.model)
                                                 .volume(of.field.name, of.transfer, of.camera,
-                                                        kEdge, kEdge, 256, options.look);
+                                                        kSize, kSize, 256, options.look);
                 EXPECT_GT(psnr(splat, picture), 60) << gpu.name << light << shadows;
             }
         }

@@ -22,33 +22,57 @@ struct BlockValues {
 
 inline constexpr float kEmpty = 0;
 
+/// The node of 16^3 blocks that contains this index.
+/// one  set where there is none: its one value
+inline const NanoLower* find_lower(const NanoRoot& root, const nanovdb::Coord& index,
+                                   BlockValues& one) {
+    one = {&kEmpty, 0};
+    const auto* cell = root.probeTile(index);
+    if (!cell) return nullptr;
+    if (!cell->isChild()) {
+        if (cell->isActive()) one.at = &cell->value;
+        return nullptr;
+    }
+    const NanoUpper& upper = *root.data()->getChild(cell);
+    const std::uint32_t offset = NanoUpper::CoordToOffset(index);
+    if (upper.childMask().isOn(offset)) return upper.data()->getChild(offset);
+    if (upper.valueMask().isOn(offset)) one.at = &upper.data()->mTable[offset].value;
+    return nullptr;
+}
+
+/// The block of a node that contains this index.
+inline BlockValues block_of(const NanoLower& lower, const nanovdb::Coord& index) {
+    const std::uint32_t offset = NanoLower::CoordToOffset(index);
+    if (lower.childMask().isOn(offset))
+        return {lower.data()->getChild(offset)->data()->mValues, kLeafVoxels - 1};
+    return {lower.valueMask().isOn(offset) ? &lower.data()->mTable[offset].value : &kEmpty, 0};
+}
+
 /// The block that contains this index.
 inline BlockValues find_block(const NanoRoot& root, const nanovdb::Coord& index) {
-    const auto* cell = root.probeTile(index);
-    if (!cell) return {&kEmpty, 0};
-    if (!cell->isChild()) return {cell->isActive() ? &cell->value : &kEmpty, 0};
-    const NanoUpper& upper = *root.data()->getChild(cell);
-    const std::uint32_t in_upper = NanoUpper::CoordToOffset(index);
-    if (!upper.childMask().isOn(in_upper))
-        return {upper.valueMask().isOn(in_upper) ? &upper.data()->mTable[in_upper].value : &kEmpty,
-                0};
-    const NanoLower& lower = *upper.data()->getChild(in_upper);
-    const std::uint32_t in_lower = NanoLower::CoordToOffset(index);
-    if (!lower.childMask().isOn(in_lower))
-        return {lower.valueMask().isOn(in_lower) ? &lower.data()->mTable[in_lower].value : &kEmpty,
-                0};
-    return {lower.data()->getChild(in_lower)->data()->mValues, kLeafVoxels - 1};
+    BlockValues one;
+    const NanoLower* lower = find_lower(root, index, one);
+    return lower ? block_of(*lower, index) : one;
 }
 
 /// A block with the seven blocks above it, whose values its cells interpolate.
 class Block {
   public:
     Block(const NanoRoot& root, Vec3d index, Vec3d lower) : lower_(lower) {
-        for (int n = 0; n < 8; ++n)
+        const nanovdb::Coord own(static_cast<int>(index.x), static_cast<int>(index.y),
+                                 static_cast<int>(index.z));
+        // Most blocks share a node with those above them.
+        constexpr int kLast = static_cast<int>(NanoLower::DIM) - kLeafEdge;
+        BlockValues one;
+        const NanoLower* node = find_lower(root, own, one);
+        for (int axis = 0; axis < 3; ++axis)
+            if ((own[axis] & (static_cast<int>(NanoLower::DIM) - 1)) == kLast) node = nullptr;
+        for (int n = 0; n < 8; ++n) {
+            const nanovdb::Coord at =
+                own.offsetBy(n & 4 ? kLeafEdge : 0, n & 2 ? kLeafEdge : 0, n & 1 ? kLeafEdge : 0);
             values_[static_cast<std::size_t>(n)] =
-                find_block(root, {static_cast<int>(index.x) + (n & 4 ? kLeafEdge : 0),
-                                  static_cast<int>(index.y) + (n & 2 ? kLeafEdge : 0),
-                                  static_cast<int>(index.z) + (n & 1 ? kLeafEdge : 0)});
+                node ? block_of(*node, at) : find_block(root, at);
+        }
     }
 
     /// The field at a local point, which is clamped to the block against rounding.
@@ -60,6 +84,9 @@ class Block {
         double w[3];             ///< weights of the upper planes, [0, 1]
         int voxel[3];            ///< the first corner, from the block's
 
+        void move_to(Vec3d local) {
+            for (int axis = 0; axis < 3; ++axis) w[axis] = local[axis] - voxel[axis];
+        }
         double value() const {
             return mix(mix(along_z(0, 0), along_z(0, 1), w[1]),
                        mix(along_z(1, 0), along_z(1, 1), w[1]), w[0]);
@@ -70,32 +97,50 @@ class Block {
         static double mix(double a, double b, double t) { return a + t * (b - a); }
     };
     Cell at(Vec3d point) const {
-        // Along each axis: the blocks of the two planes of centres around the point, their parts of
-        // the offset in these blocks, and the weight of the second plane.
-        std::uint32_t block[3][2], offset[3][2];
+        const Vec3d local = point - lower_;
         Cell made;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double from_lower = point[axis] - lower_[axis];
-            const int cell = std::clamp(static_cast<int>(from_lower), 0, kLeafEdge - 1);
-            made.w[axis] = from_lower - cell;
-            made.voxel[axis] = cell;
+        for (int axis = 0; axis < 3; ++axis)
+            made.voxel[axis] = std::clamp(static_cast<int>(local[axis]), 0, kLeafEdge - 1);
+        take_corners(made);
+        made.move_to(local);
+        return made;
+    }
+    /// The cell at an offset of for_each_cell<3>, at no place in it.
+    Cell cell(std::uint32_t offset) const {
+        Cell made;
+        for (int axis = 0; axis < 3; ++axis)
+            made.voxel[axis] = static_cast<int>(offset >> 3 * (2 - axis) & 7);
+        take_corners(made);
+        return made;
+    }
+    Vec3d lower() const { return lower_; }
+
+  private:
+    void take_corners(Cell& made) const {
+        const auto& [x0, y0, z0] = made.voxel;
+        if (std::max({x0, y0, z0}) < kLeafEdge - 1) {  // in the block itself
+            for (std::uint32_t n = 0; n < 8; ++n)
+                made.corner[n >> 2][n >> 1 & 1][n & 1] =
+                    double{values_[0][static_cast<std::uint32_t>(x0 << 6 | y0 << 3 | z0) +
+                                      (n >> 2 << 6 | (n >> 1 & 1) << 3 | (n & 1))]};
+            return;
+        }
+        // Along each axis: the blocks of the two planes of centres around the cell, and their parts of the offset in these blocks.
+        std::uint32_t block[3][2], offset[3][2];
+        for (int axis = 0; axis < 3; ++axis)
             for (int side = 0; side < 2; ++side) {
-                const auto plane = static_cast<std::uint32_t>(cell + side);
+                const auto plane = static_cast<std::uint32_t>(made.voxel[axis] + side);
                 block[axis][side] = plane >> 3 << (2 - axis);
                 offset[axis][side] = (plane & 7) << 3 * (2 - axis);
             }
-        }
         for (int x = 0; x < 2; ++x)
             for (int y = 0; y < 2; ++y)
                 for (int z = 0; z < 2; ++z)
                     made.corner[x][y][z] =
                         double{values_[block[0][x] | block[1][y] | block[2][z]]
                                       [offset[0][x] | offset[1][y] | offset[2][z]]};
-        return made;
     }
-    Vec3d lower() const { return lower_; }
 
-  private:
     Vec3d lower_;
     std::array<BlockValues, 8> values_;
 };

@@ -13,11 +13,14 @@ struct GaussPoints {
     double integrate(const GridRay& ray, Segment segment, const Block& block) const {
         constexpr double kOffset = 0.57735026918962576;  // 1/sqrt(3)
         double sum = 0;
-        for_each_cell<3>(ray, block.lower(), 1, segment, [&](std::uint32_t, Segment part) {
+        for_each_cell<3>(ray, block.lower(), 1, segment, [&](std::uint32_t offset, Segment part) {
+            Block::Cell cell = block.cell(offset);
             const double middle = 0.5 * (part.first + part.last);
             const double half = 0.5 * (part.last - part.first);
-            sum += half * (block(ray.origin + (middle - kOffset * half) * ray.direction) +
-                           block(ray.origin + (middle + kOffset * half) * ray.direction));
+            for (const double at : {middle - kOffset * half, middle + kOffset * half}) {
+                cell.move_to(ray.origin + at * ray.direction - block.lower());
+                sum += half * cell.value();
+            }
         });
         return sum;
     }
