@@ -94,6 +94,26 @@ bool names_position(const Fields& fields) {
     }
 }
 
+std::string_view without_mark(std::string_view comment) {
+    while (!comment.empty() && std::string_view("#%/").find(comment.front()) != comment.npos)
+        comment.remove_prefix(1);
+    return trimmed(comment);
+}
+
+Fields header_fields(std::string_view line, char own) {
+    line = without_mark(line);
+    for (const char separator : {own, ',', ';', '\t', '\0'}) {
+        Fields fields = split_fields(line, separator);
+        if (fields.empty()) continue;
+        std::string_view& first = fields.front();
+        if (const std::size_t colon = first.rfind(": "); colon != first.npos)
+            first = trimmed(first.substr(colon + 2));
+        if (fields.size() > 1 && first.ends_with(':')) fields.erase(fields.begin());
+        if (names_position(fields)) return fields;
+    }
+    return split_fields(line, own);
+}
+
 Names extended_names(std::string_view title) {
     constexpr std::string_view kKey = "properties=";
     const std::size_t at = lower(title).find(kKey);
