@@ -63,7 +63,8 @@ std::string header(std::span<const Column> columns, char separator) {
         const bool quoted = separator && name.find(separator) != name.npos;
         text += quoted ? '"' + name + '"' : name;
         text += separator ? separator : ' ';
-        if (!unit.empty()) units += fmt::format("# - {{name: {}, unit: {}}}\n", name, unit);
+        if (!unit.empty())
+            units += fmt::format("# - {{name: {}, unit: {}}}\n", name, printable(unit));
     }
     text.back() = '\n';
     return text + units;
