@@ -359,7 +359,11 @@ ScanFile open_tiff(const std::filesystem::path& file) {
         resize_kept(values, stack.slices * slice);
         std::optional<Tiff> tiff;
         Singles stored, calibrated;
-        stored.blank = form.type == Number::float32 ? double{float_of(stack.blank)} : stack.blank;
+        // GDAL rounds the largest float up: -3.40282346639e+38.
+        constexpr double kMost = std::numeric_limits<float>::max();
+        stored.blank = form.type == Number::float32
+                           ? static_cast<float>(std::clamp(stack.blank, -kMost, kMost))
+                           : stack.blank;
         std::size_t open = files.size();
         for (std::size_t z = 0; z < stack.slices; ++z) {
             const Page& page =
