@@ -53,11 +53,10 @@ std::vector<std::size_t> named_three(const Names& names,
 std::string entry_of(std::string_view line, std::string_view key) {
     const std::size_t at = line.find(key);
     if (at == line.npos) return {};
-    std::string_view entry = line.substr(at + key.size());
-    entry = trimmed(entry.substr(0, entry.find_first_of(",}")));
-    if (entry.size() >= 2 && (entry.front() == '"' || entry.front() == '\''))
-        entry = entry.substr(1, entry.size() - 2);
-    return std::string(entry);
+    const std::string_view entry = trimmed(line.substr(at + key.size()));
+    if (entry.starts_with('"') || entry.starts_with('\''))
+        return std::string(entry.substr(1, entry.find(entry.front(), 1) - 1));
+    return std::string(trimmed(entry.substr(0, entry.find_first_of(",}"))));
 }
 
 }  // namespace

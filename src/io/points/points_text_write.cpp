@@ -63,8 +63,10 @@ std::string header(std::span<const Column> columns, char separator) {
         const bool quoted = separator && name.find(separator) != name.npos;
         text += quoted ? '"' + name + '"' : name;
         text += separator ? separator : ' ';
+        const char* quote = name.find_first_of(",}") == name.npos ? "" : "'";
         if (!unit.empty())
-            units += fmt::format("# - {{name: {}, unit: {}}}\n", name, printable(unit));
+            units +=
+                fmt::format("# - {{name: {0}{1}{0}, unit: {2}}}\n", quote, name, printable(unit));
     }
     text.back() = '\n';
     return text + units;

@@ -254,11 +254,10 @@ TEST_F(points_text, units_are_written_and_read_back) {
     Points points;
     points.position = {{1, 2, 3}};
     points.velocity = {{4, 5, 6}};
-    points.attributes = {
-        {"mass", {7}, 1, "10^10 Msun"}, {"id", {8}}, {"u [km^2/s^2]", {9}, 1, "km^2/s^2"}};
+    points.attributes = {{"mass", {7}, 1, "10^10 Msun"}, {"id", {8}}, {"u", {9}, 1, "km^2/s^2"}};
     points.length_unit = "1.5 kpc", points.velocity_unit = "km/s";
     for (const char* name : {"p.xyz", "p.csv", "p.tsv", "p.dat"}) {
-        points.attributes[2].name = std::string(name) == "p.csv" ? "u [km^2/s^2]" : "u";
+        points.attributes[2].name = std::string(name) == "p.csv" ? "u, of gas" : "u,of";
         write_points(dir_ / name, points);
         const Points back = read_points(dir_ / name);
         EXPECT_EQ(back.position, points.position) << name;
