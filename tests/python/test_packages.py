@@ -204,6 +204,7 @@ def test_yt_lengths_convert_in_every_direction():
 def test_pictures_and_files_of_models_know_the_units_of_a_data_set(tmp_path):
     """vog.render converts as vog.projection does, of voxels, of a model and of its file; other labels are refused."""
     yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
+    units = pytest.importorskip("astropy.units", reason="needs astropy (pip install astropy)")
     ds = yt.load_uniform_grid({"density": (np.full((8, 8, 8), 2.0), "g/cm**3")}, (8, 8, 8), length_unit=(16, "Mpc"))
     levels = vog.from_yt(ds, "density", unit="g/cm**3")
     camera = vog.Camera((0.5, 0.5, 3), (0.5, 0.5, 0.5), (0, 1, 0), orthographic_width=0.5)
@@ -222,7 +223,6 @@ def test_pictures_and_files_of_models_know_the_units_of_a_data_set(tmp_path):
     assert found.array.mean().value == pytest.approx(expected, rel=0.02)
     header = vog.projection(read, resolution=8, width=(8, "Mpc")).header()
     assert header["CUNIT1"] == "Mpc" and header["CDELT1"] == pytest.approx(1, rel=1e-6)
-    units = pytest.importorskip("astropy.units", reason="needs astropy (pip install astropy)")
     assert units.Unit(header["BUNIT"], format="fits") == units.Unit("g Mpc / cm3")
 
 

@@ -243,6 +243,10 @@ Gaussians read_glb(const std::filesystem::path& file) {
     Gaussians model;
     try {
         const Json gltf = Json::parse(text);
+        for (const Json& needed : gltf.value("extensionsRequired", Json::array()))
+            if (needed != kExtension)
+                throw Error(fmt::format("needs the extension {}, expected a file without it",
+                                        needed.dump()));
         const Accessors accessors(gltf, {body.data(), body.size()});
         std::vector<bool> seen(gltf.at("nodes").size());
         for (const std::size_t node : roots_of(gltf))

@@ -84,8 +84,9 @@ void check_length(const std::filesystem::path& file, const Header& header) {
 
 /// Reads `count` rows from where `in` is, values as the file has them.
 /// fields  of the file: names, units and ranges
+/// origin  that positions become relative to
 Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const Header& header,
-                    Layout layout, const Fields& fields, std::size_t count) {
+                    Layout layout, const Fields& fields, std::size_t count, Vec3d origin) {
     std::map<std::string, std::size_t> column;
     for (std::size_t n = 0; n < header.properties.size(); ++n) column[header.properties[n]] = n;
     const bool rotated = column.contains("rot_0");
@@ -94,6 +95,7 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
                          : column.contains("sigmat") ? "sigmat"
                                                      : "sigmat_0";
     Gaussians model;
+    model.origin = origin;
     model.mean.resize(count), model.scale.resize(count), model.density.resize(count);
     if (rotated) model.rotation.resize(count);
     model.fields = empty_fields(fields);
@@ -109,9 +111,11 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
                       c1 = column["scale_1"], c2 = column["scale_2"], cd = column[weight];
     const std::size_t q0 = rotated ? column["rot_0"] : 0, q1 = rotated ? column["rot_1"] : 0,
                       q2 = rotated ? column["rot_2"] : 0, q3 = rotated ? column["rot_3"] : 0;
+    std::vector<double> shift(stride);
+    shift[cx] = origin.x, shift[cy] = origin.y, shift[cz] = origin.z;
     for (std::size_t first = 0; first < count; first += kBlock) {
         const std::size_t block = std::min(kBlock, count - first);
-        read_vertices(file, in, header, block, rows);
+        read_vertices(file, in, header, block, shift, rows);
         for (std::size_t i = 0; i < block; ++i) {
             const float* row = rows.data() + i * stride;
             model.mean[first + i] = {row[cx], row[cy], row[cz]};
@@ -156,9 +160,21 @@ Gaussians ply::read_part(const std::filesystem::path& file, const ModelPart& par
 
     const auto [begin, end] = run_of(part, header.vertices);
     const std::size_t count = end - begin;
+    // Doubles far from 0 lose the digits that tell Gaussians apart: the whole file states their origin.
+    Vec3d origin;
+    const Property& x =
+        *std::ranges::find(header.elements[header.vertex].properties, "x", &Property::name);
+    if (layout != Layout::vog && x.type == Type::float64) {
+        skip_to_vertices(file, in, header);
+        Box box;
+        for (const Vec3f& mean :
+             read_rows(file, in, header, layout, header.fields, header.vertices, {}).mean)
+            box.include(vec_cast<double>(mean));
+        origin = model_origin(box);
+    }
     skip_to_vertices(file, in, header);
     skip_vertices(file, in, header, begin);
-    Gaussians model = read_rows(file, in, header, layout, header.fields, count);
+    Gaussians model = read_rows(file, in, header, layout, header.fields, count, origin);
     if (layout == Layout::vog) read_comments(file, header, model);
     adopt_conventions(layout, model);
     if (layout != Layout::vog) exchange::keep_finite(model, file.string(), rules);

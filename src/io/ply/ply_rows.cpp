@@ -59,8 +59,9 @@ std::string next_line(const std::filesystem::path& file, std::istream& in, const
 }
 
 /// Numbers of a line of an ASCII body.
-void parse_line(const std::filesystem::path& file, std::string_view line, float* to,
-                std::size_t count) {
+void parse_line(const std::filesystem::path& file, std::string_view line,
+                const std::vector<double>& shift, float* to) {
+    const std::size_t count = shift.size();
     constexpr std::string_view kBlanks = " \t\r";
     const std::string_view whole = line;
     std::size_t found = 0;
@@ -73,7 +74,7 @@ void parse_line(const std::filesystem::path& file, std::string_view line, float*
             std::from_chars(word.data() + (word[0] == '+'), word.data() + word.size(), value);
         if (code != std::errc{} || stop != word.data() + word.size())
             fail(file, fmt::format("got '{}', expected a number", printable(word, 40)));
-        if (found < count) to[found] = float_of(value);
+        if (found < count) to[found] = float_of(value - shift[found]);
         line.remove_prefix(word.size());
     }
     if (found != count)
@@ -132,13 +133,13 @@ void skip_vertices(const std::filesystem::path& file, std::istream& in, const He
 }
 
 void read_vertices(const std::filesystem::path& file, std::istream& in, const Header& header,
-                   std::size_t count, std::vector<float>& rows) {
+                   std::size_t count, const std::vector<double>& shift, std::vector<float>& rows) {
     const std::vector<Property>& properties = header.elements[header.vertex].properties;
     const std::size_t width = properties.size();
     rows.resize(count * width);
     if (header.format == Format::ascii) {
         for (std::size_t row = 0; row < count; ++row)
-            parse_line(file, next_line(file, in, header), rows.data() + row * width, width);
+            parse_line(file, next_line(file, in, header), shift, rows.data() + row * width);
         return;
     }
     const std::size_t stride = row_bytes(header, header.elements[header.vertex]);
@@ -153,8 +154,9 @@ void read_vertices(const std::filesystem::path& file, std::istream& in, const He
     read(stored.data());
     const char* at = stored.data();
     for (float& number : rows) {
-        const Type type = properties[static_cast<std::size_t>(&number - rows.data()) % width].type;
-        number = float_of(number_at(at, type, swapped));
+        const std::size_t n = static_cast<std::size_t>(&number - rows.data()) % width;
+        const Type type = properties[n].type;
+        number = float_of(number_at(at, type, swapped) - shift[n]);
         at += bytes_of(type);
     }
 }

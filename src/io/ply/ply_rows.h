@@ -21,10 +21,11 @@ void skip_to_vertices(const std::filesystem::path& file, std::istream& in, const
 void skip_vertices(const std::filesystem::path& file, std::istream& in, const Header& header,
                    std::uint64_t count);
 
-/// Reads the next `count` vertices as they are stored; doubles are rounded.
+/// Reads the next `count` vertices, rounded to floats.
+/// shift  [properties] subtracted from doubles and from text before
 /// rows   receives [count][properties]
 /// throws vog::Error if the stream ends before, and for words that are no numbers
 void read_vertices(const std::filesystem::path& file, std::istream& in, const Header& header,
-                   std::size_t count, std::vector<float>& rows);
+                   std::size_t count, const std::vector<double>& shift, std::vector<float>& rows);
 
 }  // namespace vog::ply

@@ -53,11 +53,10 @@ std::vector<std::size_t> named_three(const Names& names,
 std::string entry_of(std::string_view line, std::string_view key) {
     const std::size_t at = line.find(key);
     if (at == line.npos) return {};
-    std::string_view entry = line.substr(at + key.size());
-    entry = trimmed(entry.substr(0, entry.find_first_of(",}")));
-    if (entry.size() >= 2 && (entry.front() == '"' || entry.front() == '\''))
-        entry = entry.substr(1, entry.size() - 2);
-    return std::string(entry);
+    const std::string_view entry = trimmed(line.substr(at + key.size()));
+    if (entry.starts_with('"') || entry.starts_with('\''))
+        return std::string(entry.substr(1, entry.find(entry.front(), 1) - 1));
+    return std::string(trimmed(entry.substr(0, entry.find_first_of(",}"))));
 }
 
 }  // namespace
@@ -92,6 +91,26 @@ bool names_position(const Fields& fields) {
     } catch (const Error&) {
         return true;
     }
+}
+
+std::string_view without_mark(std::string_view comment) {
+    while (!comment.empty() && std::string_view("#%/").find(comment.front()) != comment.npos)
+        comment.remove_prefix(1);
+    return trimmed(comment);
+}
+
+Fields header_fields(std::string_view line, char own) {
+    line = without_mark(line);
+    for (const char separator : {own, ',', ';', '\t', '\0'}) {
+        Fields fields = split_fields(line, separator);
+        if (fields.empty()) continue;
+        std::string_view& first = fields.front();
+        if (const std::size_t colon = first.rfind(": "); colon != first.npos)
+            first = trimmed(first.substr(colon + 2));
+        if (fields.size() > 1 && first.ends_with(':')) fields.erase(fields.begin());
+        if (names_position(fields)) return fields;
+    }
+    return split_fields(line, own);
 }
 
 Names extended_names(std::string_view title) {

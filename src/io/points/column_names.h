@@ -19,6 +19,11 @@ std::vector<std::size_t> velocity_columns(const Names& names);
 /// Whether fields name x, y and z.
 bool names_position(const Fields& fields);
 
+/// A comment without the characters that begin it.
+std::string_view without_mark(std::string_view comment);
+/// Fields of a header. It may have another separator than the particles, `own`, and a word before: "columns: x, y, z".
+Fields header_fields(std::string_view line, char own);
+
 /// Name of a column that has none, from 0.
 std::string number_name(std::size_t column);
 bool is_number(std::string_view field);

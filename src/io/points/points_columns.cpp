@@ -152,7 +152,9 @@ std::string unit_of_vector(const PointHead& head, std::span<const std::size_t> c
 /// Sets the units that the head states.
 void set_units(const PointHead& head, std::span<const std::size_t> vectors, PointColumns& columns) {
     if (head.names.empty()) return;
-    const auto is_length = [](const std::string& unit) { return length_unit(unit) != nullptr; };
+    const auto is_length = [](const std::string& unit) {
+        return unit_factor(unit, "m").has_value();
+    };
     const auto is_speed = [](const std::string& unit) {
         return unit_factor(unit, "m/s").has_value();
     };

@@ -55,12 +55,6 @@ char find_separator(std::string_view text, char own) {
     return *std::ranges::find_if(candidates, voted);
 }
 
-std::string_view without_mark(std::string_view comment) {
-    while (!comment.empty() && std::string_view("#%/").find(comment.front()) != comment.npos)
-        comment.remove_prefix(1);
-    return trimmed(comment);
-}
-
 std::size_t filled(const Fields& fields) {
     std::size_t count = fields.size();
     while (count > 0 && fields[count - 1].empty()) --count;
@@ -133,16 +127,19 @@ class HeadReader {
         return next.size() == fields.size() &&
                (fields.front().empty() || !std::ranges::all_of(next, is_whole));
     }
-    /// Whether a line below the names is a particle without a position: NA or the like, or no word that may be a unit.
+    /// Whether a line below the names is a particle without a position: NA or the like, no word that may be a unit, or one without the others.
     bool lacks_position(const Fields& fields) const {
         for (const auto* lines : {&headers_, &comments_})
             for (const std::string_view line : *lines) {
-                const Fields names = header_fields(line);
+                const Fields names = header_fields(line, head_.separator);
                 if (!names_position(names)) continue;
+                std::size_t empty = 0;
                 for (const std::size_t n : position_columns({names.begin(), names.end()}))
-                    if (n < fields.size() && !fields[n].empty() &&
-                        (is_missing(fields[n]) || !may_be_unit(fields[n])))
+                    if (n >= fields.size() || fields[n].empty())
+                        ++empty;
+                    else if (is_missing(fields[n]) || !may_be_unit(fields[n]))
                         return true;
+                if (empty == 1 || empty == 2) return true;
             }
         return false;
     }
@@ -224,19 +221,6 @@ class HeadReader {
             head_.rows.push_back(std::move(row));
         }
     }
-    /// Fields of a header. It may have another separator than the particles, and a word before: "columns: x, y, z".
-    Fields header_fields(std::string_view line) const {
-        for (const char separator : {head_.separator, ',', ';', '\t', '\0'}) {
-            Fields fields = split_fields(line, separator);
-            if (fields.empty()) continue;
-            std::string_view& first = fields.front();
-            if (const std::size_t colon = first.rfind(": "); colon != first.npos)
-                first = trimmed(first.substr(colon + 2));
-            if (fields.size() > 1 && first.ends_with(':')) fields.erase(fields.begin());
-            if (names_position(fields)) return fields;
-        }
-        return split_fields(line, head_.separator);
-    }
     /// Chooses the line that names the columns: one with x, y and z first, of headers the first, of comments the last.
     template <class Take>
     void name_columns(const Take& take, std::size_t columns) {
@@ -252,7 +236,7 @@ class HeadReader {
         for (const bool with_position : {true, false}) {
             if (!head_.misfit.empty()) return;
             for (const std::string_view line : lines) {
-                const Fields fields = header_fields(line);
+                const Fields fields = header_fields(line, head_.separator);
                 if (names_position(fields) != with_position) continue;
                 if (!with_position && std::ranges::any_of(fields, is_number)) continue;
                 if (take(fields)) {

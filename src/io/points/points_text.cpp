@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "io/file_extension.h"
 #include "io/float_of.h"
+#include "io/points/column_names.h"
 #include "io/points/points_columns.h"
 #include "io/points/points_files.h"
 #include "io/points/text_fields.h"
@@ -155,9 +156,10 @@ class ChunkReader {
         chunk.largest.assign(points_.attributes.size(), 0);
         for (std::uint64_t line = chunk.first_line; !text.empty(); ++line) {
             const std::string_view content = trimmed(take_line(text), columns_.separator);
-            if (line < columns_.first_line || is_comment_or_empty(content, columns_.separator))
-                continue;
-            if (read_particle(content, first_particle(chunk) + chunk.particles, chunk)) {
+            const bool comment = is_comment_or_empty(content, columns_.separator);
+            if (line < columns_.first_line || (comment && !is_head(content))) continue;
+            if (!comment &&
+                read_particle(content, first_particle(chunk) + chunk.particles, chunk)) {
                 ++chunk.particles;
                 continue;
             }
@@ -172,6 +174,11 @@ class ChunkReader {
 
   private:
     bool read_particle(std::string_view line, std::uint64_t n, Chunk& chunk) const;
+    /// Whether a line names as many columns as there are.
+    bool is_head(std::string_view line) const {
+        const Fields names = header_fields(line, columns_.separator);
+        return names.size() == columns_.role.size() && names_position(names);
+    }
     std::string fault(std::string_view line) const;
     void put(int role, std::uint64_t n, double value, Chunk& chunk) const {
         if (role < kFirstVelocity) {
@@ -229,6 +236,7 @@ std::string ChunkReader::fault(std::string_view line) const {
     const auto fields = split_fields(line, columns_.separator);
     if (columns_.count && fields.size() == 1 && line.find_first_not_of("0123456789") == line.npos)
         return "a second count: several frames, expected one";
+    if (is_head(line)) return "a second line of names: give joined files one by one";
     const bool longer = std::ranges::any_of(
         fields | std::views::drop(std::min(fields.size(), columns_.role.size())),
         [](std::string_view field) { return !field.empty(); });

@@ -20,8 +20,12 @@ inline std::string_view trimmed(std::string_view text, char separator = 0) {
     return text;
 }
 
-/// Whether a trimmed line is empty, as of a spreadsheet with separators alone, or a comment (#, % or //).
+/// Whether a trimmed line is empty, as of a spreadsheet with separators alone, or a comment (#, % or //). Values that a spreadsheet
+/// could not work out are no comments.
 inline bool is_comment_or_empty(std::string_view trimmed_line, char separator = 0) {
+    for (const std::string_view value :
+         {"#N/A", "#DIV/0!", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!"})
+        if (trimmed_line.starts_with(value)) return false;
     const char* blanks = separator == '\t' ? " \t" : separator == ';' ? " \t;" : " \t,";
     return trimmed_line.empty() || trimmed_line.front() == '#' || trimmed_line.front() == '%' ||
            trimmed_line.starts_with("//") ||
@@ -103,13 +107,15 @@ inline bool is_missing(std::string_view field) {
     return false;
 }
 
-/// Whether a field is a number with a decimal comma, as in 1,5.
+/// Whether a field is a number with a decimal comma, as in 1,5 or 1.234,5.
 inline bool has_decimal_comma(std::string_view field) {
     const std::size_t comma = field.find(',');
     if (comma >= field.size() - 1 || field.find_first_of("0123456789", comma) != comma + 1)
         return false;
     std::string point(field);
     point[comma] = '.';
+    point.erase(std::remove(point.begin(), point.begin() + std::ptrdiff_t(comma), '.'),
+                point.begin() + std::ptrdiff_t(comma));
     double value;
     return parse_number(point, value);
 }

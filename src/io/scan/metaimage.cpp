@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "io/scan/scan_file.h"
@@ -191,6 +192,16 @@ ScanFile open_metaimage(const std::filesystem::path& file) {
     array.big_endian = head.flag({"binarydatabyteordermsb", "elementbyteordermsb"}, false);
     if (head.flag({"compresseddata"}, false)) array.encoding = Encoding::deflate;
     if (!head.flag({"binarydata"}, true)) array.encoding = Encoding::text;
+    for (const auto& [key, number] : {std::pair{"elementtointensityfunctionslope", &array.slope},
+                                      {"elementtointensityfunctionoffset", &array.offset}})
+        if (const std::string text = head.text({key}); !text.empty())
+            *number = numbers_of(file, key, text, 1)[0];
+    if (!std::isfinite(array.slope + array.offset) || array.slope == 0)
+        head.fail(
+            fmt::format("values times {} plus {} by ElementToIntensityFunction, expected finite "
+                        "numbers and no slope of 0",
+                        array.slope, array.offset));
+    if (array.slope != 1) array.scale = "ElementToIntensityFunctionSlope";
     set_place(head, sizes, array);
 
     ScanGrid grid;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,7 +41,10 @@ std::uint64_t bytes_of(Number type);
 /// Conversion of the doubles of an image to floats.
 class Singles {
   public:
+    double blank = std::numeric_limits<double>::quiet_NaN();  ///< becomes NaN
+
     float operator()(double value) {
+        if (value == blank) return std::numeric_limits<float>::quiet_NaN();
         if (std::isfinite(value)) largest_ = std::max(largest_, std::abs(value));
         return float_of(value);
     }

@@ -326,6 +326,8 @@ TEST(splat_models, files_that_are_no_plain_splats_are_refused) {
         {[](json& j) { j["nodes"][0]["children"] = {0}; }, "node 0"},
         {[](json& j) { j["scenes"][0]["nodes"] = {7}; }, "corrupt"},
         {[](json& j) { j["buffers"][0]["uri"] = "m.bin"; }, "another file"},
+        {[](json& j) { j["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
+         "needs the extension \"KHR_draco_mesh_compression\""},
         {[](json& j) { j["accessors"][0]["count"] = 1 << 30; }, "rows"},
         {[](json& j) { j["accessors"][0]["count"] = 7; }, "splats"},
         {[](json& j) { j["bufferViews"][1]["byteOffset"] = 1ull << 63; }, "rows"},

@@ -379,6 +379,17 @@ TEST(ply, splats_are_read_by_name_from_every_ply) {
                         }
                     }
                 }
+    // As on a map: floats there are 0.5 apart.
+    std::string far = file(Kind::ascii, "double", false, "\n");
+    for (const auto& [from, to] : {std::pair{" 1  2  3", " 500000.25  5000000.125  3"},
+                                   {" 2  2  3", " 500000.5  5000000.125  3"}})
+        far.replace(far.find(from), std::strlen(from), to);
+    write_bytes(dir / "far.ply", far);
+    const Gaussians model = read_ply(dir / "far.ply");
+    for (std::size_t n = 0; n < 2; ++n)
+        EXPECT_EQ(model.origin + vec_cast<double>(model.mean[n]),
+                  (Vec3d{500000.25 + 0.25 * double(n), 5000000.125, 3}));
+    EXPECT_EQ(read_ply(dir / "far.ply", ModelPart{1, 2}).origin, model.origin);
     // Without scales it is no model.
     write_bytes(dir / "cloud.ply", one_row({{"x", 0}, {"y", 0}, {"z", 0}, {"red", 1}}));
     EXPECT_NE(ply_error(dir / "cloud.ply").find("points without scales"), std::string::npos);

@@ -64,6 +64,10 @@ const std::vector<Case> kCases{
     {"mass.xyz", "2\ntitle\n1 2 3 0.5\n4 5 6 1.5\n", {{2, 3, 0.5}, {5, 6, 1.5}}},
     {"title_names.xyz", "2\nmass x y z\n9 1 2 3\n9 4 5 6\n", kTwo, "", {"mass"}},
     {"title_like.xyz", "2\nwater 9 9 9\nO 1 2 3\nH 4 5 6\n", kTwo},
+    {"title_numbers.xyz", "2\n1 2 3\nO 1 2 3\nH 4 5 6\n", kTwo},
+    {"title_number.xyz", "2\n3\nO 1 2 3\nH 4 5 6\n", kTwo},
+    {"title_energy.xyz", "2\nE = -76.4 1 2\nO 1 2 3\nH 4 5 6\n", kTwo},
+    {"title_particle.xyz", "2\n7 8 9.5\n1 2 3\n4 5 6\n", {}, "a count of 2, but 3 particles"},
     {"no_title.xyz", "2\nO 1 2 3\nH 4 5 6\n", kTwo},
     {"extended.xyz",
      "2\nLattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:forces:R:3:pos:R:3 pbc=\"T T T\"\n"
@@ -130,6 +134,7 @@ const std::vector<Case> kCases{
     {"comma.xyz", "1,5 2,5 3,5\n", {}, "a decimal comma"},
     {"comma_header.csv", "x;y;z\n1,5;2,5;3,5\n", {}, "a decimal comma"},
     {"comma_one.csv", "x;y;z;m\n1;2;3;1,5\n", {}, ":2: got '1,5' in column 4, a decimal comma"},
+    {"comma_and_points.csv", "x;y;z\n1.234,5;2,5;3,5\n", {}, "'1.234,5', a decimal comma"},
     {"comma_quoted.csv", "\"1,5\",\"2,5\",\"3,5\"\n", {}, "a decimal comma"},
     // Missing values.
     {"miss_attr.csv", "x,y,z,m\n1,2,3,10\n4,5,6,\n", kTwo, "", {"m"}},
@@ -139,6 +144,15 @@ const std::vector<Case> kCases{
     {"miss_named.csv", "# x,y,z\nNA,NA,NA\n1,2,3\n", {}, ":2: got 'NA' in column 1"},
     {"inch.csv", "x,y,z,size (\")\n1,2,3,1\n4,5,6,1\n", kTwo},
     {"miss_units.csv", "x,y,z,m\nkpc,kpc,kpc,NA\n1,2,3,1\n4,5,6,1\n", kTwo},
+    {"error_value.csv", "x,y,z\n1,2,3\n#N/A,5,6\n", {}, ":3: got '#N/A' in column 1"},
+    {"error_first.csv", "x,y,z\n#DIV/0!,5,6\n1,2,3\n", {}, ":2: got '#DIV/0!' in column 1"},
+    {"word_first.csv", "x,y,z,m\nc,,,\n1,2,3,1\n", {}, ":2: got 'c' in column 1"},
+    {"one_unit.csv", "x,y,z,m\n,,,kg\n1,2,3,1\n4,5,6,1\n", kTwo},
+    // Files behind each other.
+    {"joined.txt", "# x y z\n1 2 3\n# x y z\n4 5 6\n", {}, ":3: a second line of names"},
+    {"joined.csv", "x,y,z\n1,2,3\nx,y,z\n4,5,6\n", {}, ":3: a second line of names"},
+    {"joined_commas.dat", "# x,y,z\n1 2 3\n# x,y,z\n4 5 6\n", {}, ":3: a second line of names"},
+    {"comment.txt", "# x y z\n1 2 3\n# 2 more in y, z\n4 5 6\n", kTwo},
     {"two_lines.csv", "name,x,y,z\n\"a\nb\",1,2,3\nc,4,5,6\n", {}, "begins in line 2 and ends in"},
     {"miss_last.csv", "x,y,z,m\n1,2,3,10\n4,5,6\n", {}, ":3: got 3 columns, expected 4"},
 };

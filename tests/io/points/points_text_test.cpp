@@ -250,6 +250,25 @@ TEST_F(points_text, what_is_written_reads_back_bit_for_bit) {
     EXPECT_FALSE(std::filesystem::exists(dir_ / "q.xyz"));
 }
 
+TEST_F(points_text, units_are_written_and_read_back) {
+    Points points;
+    points.position = {{1, 2, 3}};
+    points.velocity = {{4, 5, 6}};
+    points.attributes = {{"mass", {7}, 1, "10^10 Msun"}, {"id", {8}}, {"u", {9}, 1, "km^2/s^2"}};
+    points.length_unit = "1.5 kpc", points.velocity_unit = "km/s";
+    for (const char* name : {"p.xyz", "p.csv", "p.tsv", "p.dat"}) {
+        points.attributes[2].name = std::string(name) == "p.csv" ? "u, of gas" : "u,of";
+        write_points(dir_ / name, points);
+        const Points back = read_points(dir_ / name);
+        EXPECT_EQ(back.position, points.position) << name;
+        EXPECT_EQ(back.length_unit, "1.5 kpc") << name;
+        EXPECT_EQ(back.velocity_unit, "km/s") << name;
+        ASSERT_EQ(names(back), names(points)) << name;
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_EQ(back.attributes[k].unit_name, points.attributes[k].unit_name) << name;
+    }
+}
+
 /// Found by fuzzing: such names changed the columns of the file that was read.
 TEST_F(points_text, names_that_would_not_read_back_are_quoted_or_refused) {
     Points points;

@@ -124,12 +124,17 @@ inline Affine diagonal(Vec3d edge, Vec3d origin = {}) {
     return {{{Vec3d{edge.x, 0, 0}, {0, edge.y, 0}, {0, 0, edge.z}}}, origin};
 }
 
+inline std::string tiff_entry(std::uint16_t tag, std::uint16_t type, std::uint32_t size,
+                              std::uint32_t value) {
+    return bytes_of<std::uint16_t>({tag, type}) + bytes_of<std::uint32_t>({size, value});
+}
 /// A little-endian TIFF of pages with uint16 pixels, one strip each.
 /// behind  bytes behind the first page's pixels
+/// more    further entries of each page's table, by tiff_entry
 inline std::string tiff_of(const std::vector<std::vector<std::uint16_t>>& pages,
                            std::uint16_t width, std::uint16_t height,
                            const std::string& description = "",
-                           const std::string& behind_pixels = "") {
+                           const std::string& behind_pixels = "", const std::string& more = "") {
     std::string file = "II*";
     const auto put = [&](auto value) {
         file.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -138,7 +143,7 @@ inline std::string tiff_of(const std::vector<std::vector<std::uint16_t>>& pages,
     put(std::uint32_t{8});
     for (std::size_t n = 0; n < pages.size(); ++n) {
         const bool described = n == 0 && !description.empty();
-        const std::uint16_t count = described ? 9 : 8;
+        const auto count = static_cast<std::uint16_t>((described ? 9 : 8) + more.size() / 12);
         const auto behind = static_cast<std::uint32_t>(file.size() + 2 + 12 * count + 4);
         const auto bytes = static_cast<std::uint32_t>(pages[n].size() * 2);
         const auto text = static_cast<std::uint32_t>(description.size() + 1);
@@ -151,6 +156,7 @@ inline std::string tiff_of(const std::vector<std::vector<std::uint16_t>>& pages,
         if (described) entry(270, 2, text, behind + bytes + extra);
         entry(273, 4, 1, behind), entry(277, 3, 1, 1);
         entry(279, 4, 1, bytes);
+        file += more;
         const bool last = n + 1 == pages.size();
         put(last ? std::uint32_t{0} : behind + bytes + extra + (described ? text + text % 2 : 0));
         for (const std::uint16_t v : pages[n]) put(v);

@@ -28,6 +28,15 @@ TEST(scan_kinds, metaimage) {
         {"flags, comments, colons",
          {{"a.mha", mha("BinaryData : T\nCompressedData = f\nComment = one\nComment = two: 2\n") +
                         local + counted()}}},
+        {"intensities by a slope and an offset",
+         {{"a.mha", mha("ElementToIntensityFunctionSlope = 0.5\nElementToIntensityFunctionOffset = "
+                        "-49\n") +
+                        local + bytes_of([] {
+                            std::vector<std::int16_t> values = scan_values();
+                            for (std::int16_t& v : values)
+                                v = static_cast<std::int16_t>(2 * v + 98);
+                            return values;
+                        }())}}},
         {"most significant byte first",
          {{"a.mha", mha("BinaryDataByteOrderMSB = t\n") + local + bytes_of(scan_values(), true)}}},
         {"a list of slices",
@@ -56,6 +65,8 @@ TEST(scan_kinds, metaimage) {
         {{{"a.mhd", mha("ElementDataFile = LIST\ns0\ns1\n")}},
          "2 files of values, expected 4 with 2 axes each"},
         {{{"a.mhd", mha("ElementDataFile = s%d 0 3 0\n")}}, "expected FIRST LAST STEP"},
+        {{{"a.mha", mha("ElementToIntensityFunctionSlope = 0\n") + local + counted()}},
+         "values times 0 plus 0 by ElementToIntensityFunction"},
     });
 }
 

@@ -42,6 +42,52 @@ TEST(scan_tiff, pages_are_slices_and_imagej_states_voxels) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+TEST(scan_tiff, tags_of_maps_and_of_white_change_voxels_and_values) {
+    const TempDir dir;
+    const std::vector<std::vector<std::uint16_t>> page{{1, 2, 3, 4, 5, 6}};
+    write_bytes(dir / "plain.tif", tiff_of(page, 3, 2));
+    if (absent(dir / "plain.tif")) GTEST_SKIP() << "this build has no libtiff";
+    // GeoTIFF's edges of pixels: three doubles behind the pixels.
+    constexpr std::uint32_t kBehind = 8 + 2 + 12 * 9 + 4 + 12;
+    const std::string scale = bytes_of<double>({10, 20, 0});
+    const Volume map = read_bytes(
+        dir, "map.tif", tiff_of(page, 3, 2, "", scale, tiff_entry(33550, 12, 3, kBehind)));
+    expect_map(map.world_from_index, diagonal({10, 20, 10}));
+    EXPECT_EQ(active_voxels(map), 6u);
+    // GDAL's number of pixels without a value.
+    write_bytes(dir / "blank.tif", tiff_of(page, 3, 2, "", "", tiff_entry(42113, 2, 2, '3')));
+    EXPECT_NE(
+        refusal([&] { read_volume(dir / "blank.tif"); }).find("1 active values are not finite"),
+        std::string::npos);
+    EXPECT_EQ(active_voxels(read_volume(dir / "blank.tif", {.values = {true, false}})), 5u);
+    // Of floats and doubles it is the least number, whose digits GDAL rounds.
+    const auto floats = [&]<class T>(T least, const std::string& no_data) {
+        std::vector<T> values{1, 2, least, 4, 5, 6};
+        const auto text = static_cast<std::uint32_t>(no_data.size() + 1);
+        // Pixels that are wider than tiff_of's lie behind them, with the text.
+        std::string bytes =
+            tiff_of(page, 3, 2, "", no_data + std::string(1, 0) + bytes_of(values),
+                    tiff_entry(339, 3, 1, 3) + tiff_entry(42113, 2, text, kBehind + 12));
+        const auto put = [&](std::uint16_t tag, std::uint16_t type, std::uint32_t value) {
+            const std::string head = tiff_entry(tag, type, 1, 0).substr(0, 8);
+            bytes.replace(bytes.find(head) + 8, 4, bytes_of<std::uint32_t>({value}));
+        };
+        put(258, 3, 8 * sizeof(T)), put(273, 4, kBehind + 12 + text), put(279, 4, 6 * sizeof(T));
+        return active_voxels(read_bytes(dir, "f.tif", bytes, {.values = {true, false}}));
+    };
+    EXPECT_EQ(floats(std::numeric_limits<float>::lowest(), "-3.40282346639e+38"), 5u);
+    EXPECT_EQ(floats(std::numeric_limits<double>::lowest(), "-1.7976931348623157e+308"), 5u);
+    // PhotometricInterpretation 0: white is the least number.
+    const std::string black = bytes_of<std::uint16_t>({262, 3, 1, 0, 1}),
+                      white = bytes_of<std::uint16_t>({262, 3, 1, 0, 0});
+    for (const std::string words : {"", "ImageJ=1.53t\nimages=1\n"}) {
+        std::string bytes = tiff_of(page, 3, 2, words);
+        bytes.replace(bytes.find(black), black.size(), white);
+        const Volume volume = read_bytes(dir, "white.tif", bytes);
+        EXPECT_EQ(value_at(volume, {1, 1, 0}), words.empty() ? 65535 - 5 : 5);
+    }
+}
+
 TEST(scan_tiff, slices_of_a_folder_and_a_pattern_by_their_numbers) {
     const TempDir dir;
     std::filesystem::create_directory(dir / "slices");

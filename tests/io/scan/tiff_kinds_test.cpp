@@ -191,6 +191,12 @@ TEST(tiff_kinds, planes_lie_where_descriptions_say) {
         {file(tiff_of(slices(1), 2, 3, ome(z4) + ome(z4))), "OME describes 2 images"},
         {file(tiff_of(slices(1), 2, 3, ome(z4, "<TiffData IFD='1' FirstZ='0' PlaneCount='3'/>"))),
          "TiffData place 3 of 4 planes"},
+        {file(
+             tiff_of(slices(1), 2, 3,
+                     ome(z4,
+                         "<TiffData IFD='0'><UUID FileName='a.tif'>urn:uuid:1</UUID></TiffData>"
+                         "<TiffData IFD='1'><UUID FileName='b.tif'>urn:uuid:2</UUID></TiffData>"))),
+         "OME has planes in 2 files, a.tif to b.tif"},
         {file(tiff_of(slices(1), 2, 3, ome(c2))),
          "4 pages of 1 samples in 1 files for 4 slices, 2 channels"},
         {file(tiff_of(first, 2, 3, "{\"shape\": [40, 3, 2]}")),

@@ -1,7 +1,6 @@
 // tiff.cpp: TIFF stacks by libtiff: pages of one file, or a folder or pattern of files with a slice each.
 #include <fmt/format.h>
 
-#include "io/file_extension.h"
 #include "io/scan/scan_file.h"
 #include "vog/error.h"
 
@@ -13,6 +12,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
@@ -23,19 +23,6 @@
 #endif
 
 namespace vog::scan {
-
-bool is_tiff(const std::filesystem::path& file) {
-    const std::string extension = lower_extension(file);
-    return extension == ".tif" || extension == ".tiff";
-}
-
-bool is_tiff_folder(const std::filesystem::path& folder) {
-    std::error_code code;
-    if (!std::filesystem::is_directory(folder, code)) return false;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, code))
-        if (is_tiff(entry.path())) return true;
-    return false;
-}
 
 #ifndef VOG_TIFF
 
@@ -88,8 +75,16 @@ struct Tiff {
     }
     std::string text(std::uint32_t which) const {
         const char* value = nullptr;
-        return TIFFGetField(handle.get(), which, &value) && value ? std::string(value)
-                                                                  : std::string();
+        return TIFFGetField(handle.get(), which, &value) && value ? value : "";
+    }
+    /// Numbers of a tag that libtiff does not know.
+    template <class T>
+    std::span<const T> numbers(std::uint32_t which, TIFFDataType type) const {
+        std::uint32_t count = 0;
+        const T* values = nullptr;
+        if (TIFFFindField(handle.get(), which, type))
+            TIFFGetField(handle.get(), which, &count, &values);
+        return {values, values ? count : 0};
     }
 };
 
@@ -100,6 +95,7 @@ struct PageForm {
     bool planar = false;      ///< samples in planes of their own
     std::uint32_t depth = 1;  ///< slices of a page of several
     Number type = Number::uint8;
+    bool white = false;  ///< whole numbers count down from white
     friend bool operator==(const PageForm&, const PageForm&) = default;
 };
 
@@ -118,6 +114,7 @@ PageForm form_of(const Tiff& tiff) {
         tiff.fail(fmt::format("samples of {} bits in format {}", bits, format));
     form.type = *type;
     const auto photometric = tiff.tag<std::uint16_t>(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    form.white = photometric == PHOTOMETRIC_MINISWHITE && format == SAMPLEFORMAT_UINT;
     if (photometric == PHOTOMETRIC_PALETTE || photometric == PHOTOMETRIC_YCBCR)
         tiff.fail("colours by a palette or in YCbCr");
     if (form.samples > 4 || form.samples == 0)
@@ -250,7 +247,15 @@ TiffStack stack_of(const Tiff& tiff, const PageForm& form) {
         tags.x_resolution = tags.y_resolution = 0;
     // Of OME's files, some only name the one with the description.
     if (tags.description.find("BinaryOnly") != std::string::npos) return {};
+    constexpr std::uint32_t kPixelScale = 33550, kNoData = 42113;  // GeoTIFF's, GDAL's
+    if (const auto scale = tiff.numbers<double>(kPixelScale, TIFF_DOUBLE); scale.size() == 3)
+        tags.pixel_scale = {scale[0], scale[1], scale[2]};
+    const auto no_data = tiff.numbers<char>(kNoData, TIFF_ASCII);
+    tags.no_data.assign(no_data.begin(), no_data.end());
     TiffStack stack = tiff_stack(tags);
+    // ImageJ shows such files by a colour map, and has their values as stored.
+    if (form.white && !tags.description.starts_with("ImageJ="))
+        stack.coefficients = {std::ldexp(1.0, 8 * int(bytes_of(form.type))) - 1, -1};
     if (const auto turn = tiff.tag<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
         turn > ORIENTATION_TOPLEFT && turn <= ORIENTATION_LEFTBOT)
         stack.note += fmt::format("{}rows and columns as stored, without the tag Orientation {}",
@@ -272,14 +277,6 @@ void check_spacing(const Tiff& tiff, const TiffStack& own, const std::filesystem
     };
     throw Error(fmt::format("{}: voxels of {}, expected {} as in {}", tiff.name, voxels(own),
                             voxels(stack), first.filename().string()));
-}
-
-/// MetaMorph's files have all planes behind one page, by tags of their own.
-bool is_metamorph(const Tiff& tiff) {
-    constexpr std::uint32_t kPlanes = 33629;
-    for (int n = 0; n < TIFFGetTagListCount(tiff.handle.get()); ++n)
-        if (TIFFGetTagListEntry(tiff.handle.get(), n) == kPlanes) return true;
-    return false;
 }
 
 }  // namespace
@@ -309,7 +306,9 @@ ScanFile open_tiff(const std::filesystem::path& file) {
             if (!TIFFReadDirectory(tiff.handle.get())) break;
         }
         if (!tiff.fault.empty()) tiff.fail("truncated or corrupt");
-        if (pages.size() == n + 1 && is_metamorph(tiff)) tiff.fail("planes as MetaMorph has them");
+        constexpr std::uint32_t kMetaMorph = 33629;  // planes behind one page
+        if (pages.size() == n + 1 && TIFFFindField(tiff.handle.get(), kMetaMorph, TIFF_ANY))
+            tiff.fail("planes as MetaMorph has them");
     }
     // One page whose description states more planes: they follow it.
     if (const std::uint64_t planes = stack.planes();
@@ -360,6 +359,11 @@ ScanFile open_tiff(const std::filesystem::path& file) {
         resize_kept(values, stack.slices * slice);
         std::optional<Tiff> tiff;
         Singles stored, calibrated;
+        // GDAL rounds the largest float up: -3.40282346639e+38.
+        constexpr double kMost = std::numeric_limits<float>::max();
+        stored.blank = form.type == Number::float32
+                           ? static_cast<float>(std::clamp(stack.blank, -kMost, kMost))
+                           : stack.blank;
         std::size_t open = files.size();
         for (std::size_t z = 0; z < stack.slices; ++z) {
             const Page& page =

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/file_extension.h"
 #include "io/scan/scan_file.h"
 #include "vog/error.h"
 #include "vog/text.h"
@@ -27,29 +28,6 @@ bool matches(std::string_view pattern, std::string_view name) {
     for (std::size_t from = star; from <= name.size(); ++from)
         if (matches(pattern.substr(star + 1), name.substr(from))) return true;
     return false;
-}
-
-/// Order of names in which slice 10 lies behind slice 9.
-bool by_number(const std::filesystem::path& a, const std::filesystem::path& b) {
-    const std::string x = a.filename().string(), y = b.filename().string();
-    const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-    for (std::size_t i = 0, j = 0; i < x.size() && j < y.size();) {
-        if (digit(x[i]) && digit(y[j])) {
-            std::string first, second;
-            for (; i < x.size() && digit(x[i]); ++i) first += x[i];
-            for (; j < y.size() && digit(y[j]); ++j) second += y[j];
-            first.erase(0, std::min(first.find_first_not_of('0'), first.size()));
-            second.erase(0, std::min(second.find_first_not_of('0'), second.size()));
-            if (first != second)
-                return first.size() != second.size() ? first.size() < second.size()
-                                                     : first < second;
-        } else if (x[i] != y[j]) {
-            return x[i] < y[j];
-        } else {
-            ++i, ++j;
-        }
-    }
-    return x < y;
 }
 
 /// A number in a file's name, and its place there.
@@ -172,6 +150,19 @@ void order_series(const std::filesystem::path& where, std::vector<std::filesyste
 
 }  // namespace
 
+bool is_tiff(const std::filesystem::path& file) {
+    const std::string extension = lower_extension(file);
+    return extension == ".tif" || extension == ".tiff";
+}
+
+bool is_tiff_folder(const std::filesystem::path& folder) {
+    std::error_code code;
+    if (!std::filesystem::is_directory(folder, code)) return false;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, code))
+        if (is_tiff(entry.path())) return true;
+    return false;
+}
+
 std::vector<std::filesystem::path> tiff_files(const std::filesystem::path& file) {
     std::error_code code;
     const bool folder = std::filesystem::is_directory(file, code);
@@ -188,7 +179,7 @@ std::vector<std::filesystem::path> tiff_files(const std::filesystem::path& file)
             is_tiff(entry.path()) && name.size() < kLongest && matches(pattern, name))
             files.push_back(entry.path());
     if (files.empty()) throw Error(fmt::format("{}: no TIFF files of this pattern", file.string()));
-    std::ranges::sort(files, by_number);
+    std::ranges::sort(files);
     order_series(file, files);
     return files;
 }

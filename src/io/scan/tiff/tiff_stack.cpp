@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "io/scan/scan_file.h"
 #include "vog/error.h"
@@ -183,6 +184,14 @@ void set_ome(const TiffTags& tags, TiffStack& stack) {
     if (images.size() != 1)
         fail(tags,
              fmt::format("OME describes {} images in this file, expected one", images.size()));
+    std::set<std::string> files;
+    for (const XmlTag& uuid : tags_named(tags.description, "UUID"))
+        files.insert(printable(uuid.attribute("FileName"), 60));
+    files.erase("");
+    if (files.size() > 1)
+        fail(tags, fmt::format("OME has planes in {} files, {} to {}, expected all in one, as "
+                               "Bio-Formats' bfconvert writes them",
+                               files.size(), *files.begin(), *files.rbegin()));
     const XmlTag& pixels = images[0];
     stack.channels =
         count_or(pixels.attribute("SizeC"), 1) / std::max<std::uint64_t>(tags.samples, 1);
@@ -294,6 +303,7 @@ std::uint64_t TiffStack::plane(std::uint64_t channel, std::uint64_t slice,
 
 TiffStack tiff_stack(const TiffTags& tags) {
     TiffStack stack;
+    stack.blank = number_or(tags.no_data, stack.blank);
     if (tags.description.starts_with("ImageJ=")) {
         set_imagej(tags, stack);
         return stack;
@@ -304,6 +314,12 @@ TiffStack tiff_stack(const TiffTags& tags) {
         return stack;
     }
     set_shaped(tags, stack);
+    if (const Vec3d scale = tags.pixel_scale; scale.x > 0 && scale.y > 0) {
+        stack.edge = {scale.x, scale.y, scale.z > 0 ? scale.z : scale.x};
+        stack.source =
+            "rows down, pages along z; pixels as large as on GeoTIFF's map, from the first one on";
+        return stack;
+    }
     const double x = tags.x_resolution, y = tags.y_resolution;
     if (x <= 0) return stack;
     if (tags.resolution_unit < 2) {

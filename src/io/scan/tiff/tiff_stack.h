@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct TiffTags {
     std::uint16_t samples = 1;
     double x_resolution = 0, y_resolution = 0;  ///< pixels a unit; 0: none
     std::uint16_t resolution_unit = 2;          ///< 1 none, 2 inch, 3 centimetre
+    Vec3d pixel_scale{};                        ///< GeoTIFF's edges of a pixel on the map; 0: none
+    std::string no_data{};                      ///< GDAL's number for pixels without one
 };
 
 /// Channels, slices and frames of a stack, and its voxels.
@@ -28,6 +31,7 @@ struct TiffStack {
     Vec3d edge{1, 1, 1};
     Vec3d origin;                      ///< index of the world's origin
     std::vector<double> coefficients;  ///< value = c0 + c1 stored + c2 stored^2 ...; empty: stored
+    double blank = std::numeric_limits<double>::quiet_NaN();  ///< stored where there is no value
     std::string value_unit;
     std::vector<std::string> units;  ///< of x, y, z
     std::string source = "voxels of 1, the file states none";
