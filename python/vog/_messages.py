@@ -64,6 +64,15 @@ def _shortened(call: Callable[..., Any], failure: "type[Exception]", name: str =
     return called
 
 
+def _without_constructor(kind: type) -> Callable[..., Any]:
+    makers = [f"{kind.__name__}.{name}" for name, function in vars(kind).items() if isinstance(function, staticmethod) and name[0] != "_"]
+
+    def refused(self: Any, *args: Any, **named: Any) -> None:
+        raise TypeError(f"{kind.__name__}: has no constructor; use {' or '.join(makers) or 'what calls of vog return'}")
+
+    return refused
+
+
 def shorten(module: Any) -> None:
     """Shortens the errors of all functions and methods of a module of pybind11, and names their arguments as calls do."""
     for name, value in list(vars(module).items()):
@@ -72,6 +81,8 @@ def shorten(module: Any) -> None:
         if isinstance(value, type):
             if issubclass(value, BaseException) or not value.__module__.startswith("vog"):
                 continue
+            if type(value.__init__).__name__ == "wrapper_descriptor":
+                setattr(value, "__init__", _without_constructor(value))
             for method, function in list(vars(value).items()):
                 if isinstance(function, property) and function.fset:
                     setattr(value, method, function.setter(_shortened(function.fset, module.Error, method)))

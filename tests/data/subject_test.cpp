@@ -11,6 +11,7 @@
 #include "vog/convert_paper.h"
 #include "vog/dense.h"
 #include "vog/levels.h"
+#include "vog/picture.h"
 #include "vog/ply.h"
 #include "vog/subject.h"
 #include "vog/vogz.h"
@@ -98,6 +99,17 @@ TEST(subject, several_models_are_framed_together) {
     EXPECT_EQ(both.standing.up, (Vec3d{0, 0, 1}));
     both.include({});
     EXPECT_TRUE(both.hull.empty());  // of unknown parts nothing is known
+}
+
+TEST(subject, gaussians_of_few_voxels_lie_within_the_frame) {
+    Volume two;
+    two.world_from_index = affine_from_voxels({0.5, 0.5, 0.5}, {});
+    two.leaves.emplace_back().set(0, 1), two.leaves.back().set(1, 3);
+    const Gaussians model = convert_moments(two, {});
+    const Image image = render(scene_of(model), {.width = 40, .height = 40}).image;
+    for (int n = 0; n < 40; ++n)
+        for (const auto& [x, y] : {std::pair{n, 0}, {n, 39}, {0, n}, {39, n}})
+            EXPECT_EQ(image.at(x, y).r, 0) << x << ' ' << y;
 }
 
 TEST(subject, data_without_extent_or_light_have_a_view) {

@@ -62,6 +62,12 @@ def test_bad_arrays_are_refused(arguments, message):
         vog.Points.from_numpy(*arguments)
 
 
+@pytest.mark.parametrize("kind, made", [(vog.Points, "use Points.load or Points.from_numpy"), (vog.Picture, "use what calls of vog return")])
+def test_kinds_without_constructor_say_what_makes_them(kind, made):
+    with pytest.raises(TypeError, match=f"{kind.__name__}: has no constructor; {made}"):
+        kind(np.zeros(3))
+
+
 def test_several_files_are_read_as_one_and_values_may_be_missing(tmp_path):
     (tmp_path / "a.csv").write_text("x,y,z,m\n1,2,3,4\n")
     (tmp_path / "b.csv").write_text("x,y,z,m\n1,2,5,\n")

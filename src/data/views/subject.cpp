@@ -106,8 +106,10 @@ Content content_of(std::span<const Volume* const> volumes, const Box& box,
                    const Collective* collective) {
     const Collective& all = collective_or_single(collective);
     Content content;
+    double step = 0;
     for (const Volume* volume : volumes) {
         content.voxels.include(voxel_box(*volume));
+        step = std::max(step, longest_step(volume->world_from_index));
         if (!content.standing.known()) content.standing = volume->standing;
         if (content.units == Units{}) content.units = volume->units;
     }
@@ -119,6 +121,14 @@ Content content_of(std::span<const Volume* const> volumes, const Box& box,
     lattice.sum_over(all);
     content.voxels = joined_box(content.voxels, all);
     content.hull = lattice.hull();
+    // Gaussians of few voxels are seen beyond these.
+    constexpr double kFew = 4;  // voxels
+    all.max({&step, 1});
+    if (!content.hull.empty() && content.voxels.radius() < kFew * step) {
+        const Vec3d room = 0.2 * Vec3d{step, step, step};
+        content.hull =
+            Subject(Box{content.voxels.lower - room, content.voxels.upper + room}).content.hull;
+    }
     return content;
 }
 
