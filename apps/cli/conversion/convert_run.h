@@ -98,6 +98,13 @@ Converted converted(const Gaussians& model, const Hierarchy& hierarchy, const st
 /// Whether an output is a model: .ply or .vogz.
 bool is_model_output(const std::string& output);
 
+/// Level-of-detail hierarchy of the model; empty with --no-hierarchy.
+/// index_from_world  lattice of the model's cells; none for particles
+Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
+                       const std::optional<Affine>& index_from_world, Stages& stages);
+/// Note where even the finest model has a larger error than --error.
+void note_missed(const std::string& input, double measured, double target);
+
 /// Prints the report of a conversion in words, or returns it where --json is given.
 nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                               const Converted& made, double volume_mass,
