@@ -229,6 +229,16 @@ NiftiHead read_head(const std::filesystem::path& file, ScanBytes& bytes, bool& s
     return second_head({first, swapped});
 }
 
+/// Names of images: axis 4 is time, the fastest; axes behind it have the components of vectors.
+std::vector<std::string> names_of(std::uint64_t images, std::uint64_t times) {
+    if (times == images) return numbered_names("t", images);
+    if (times <= 1) return numbered_names("c", images);
+    std::vector<std::string> names;
+    for (std::uint64_t n = 0; n < images; ++n)
+        names.push_back(fmt::format("t{}c{}", n % times, n / times));
+    return names;
+}
+
 }  // namespace
 
 ScanFile open_nifti(const std::filesystem::path& file) {
@@ -299,17 +309,9 @@ ScanFile open_nifti(const std::filesystem::path& file) {
     grid.type = type_name(array.type);
     set_map(file, head, grid, scan.note);
     scan.read = reader_of(array);
-    // Axis 4 is time, the fastest; axes behind it have the components of vectors.
-    const auto times = static_cast<std::uint64_t>(edge(4));
-    std::vector<std::string> names = numbered_names("c", frames);
-    if (times == frames) names = numbered_names("t", frames);
-    if (times > 1 && times < frames) {
-        names.clear();
-        for (std::uint64_t n = 0; n < frames; ++n)
-            names.push_back(fmt::format("t{}c{}", n % times, n / times));
-    }
-    if (type.components > 1) names = color_names(type.components);
-    scan.grids = named_copies(grid, names);
+    scan.grids = named_copies(grid, type.components > 1
+                                        ? color_names(type.components)
+                                        : names_of(frames, static_cast<std::uint64_t>(edge(4))));
     return scan;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "io/scan/scan_file.h"
+#include "vog/dense.h"
 #include "vog/error.h"
 
 #ifdef VOG_TIFF
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
@@ -60,8 +60,7 @@ struct Tiff {
         TIFFOpenOptionsFree(options);
         if (!handle) fail("cannot be opened");
     }
-    Tiff(const Tiff&) = delete;
-    Tiff& operator=(const Tiff&) = delete;
+    Tiff(Tiff&&) = delete;
 
     [[noreturn]] void fail(const std::string& what) const {
         throw Error(fmt::format("{}: {}{}, expected a TIFF of integers or floats", name, what,
@@ -279,13 +278,11 @@ void check_spacing(const Tiff& tiff, const TiffStack& own, const std::filesystem
                             voxels(stack), first.filename().string()));
 }
 
-}  // namespace
-
-ScanFile open_tiff(const std::filesystem::path& file) {
-    const std::vector<std::filesystem::path> files = tiff_files(file);
+/// Pages of all files in the order of their planes. `form` and `stack` become those of the first file.
+std::vector<Page> pages_of(const std::filesystem::path& file,
+                           const std::vector<std::filesystem::path>& files, PageForm& form,
+                           TiffStack& stack) {
     std::vector<Page> pages;
-    PageForm form;
-    TiffStack stack;
     for (std::size_t n = 0; n < files.size(); ++n) {
         Tiff tiff(files[n]);
         if (n == 0)
@@ -313,9 +310,9 @@ ScanFile open_tiff(const std::filesystem::path& file) {
     // One page whose description states more planes: they follow it.
     if (const std::uint64_t planes = stack.planes();
         pages.size() == 1 && planes > 1 && form.depth == 1) {
-        const std::uint64_t bytes = std::filesystem::file_size(files[0]);
-        const std::uint64_t plane =
-            std::uint64_t{form.width} * form.height * form.samples * bytes_of(form.type);
+        const std::uint64_t bytes = std::filesystem::file_size(files[0]),
+                            plane = std::uint64_t{form.width} * form.height * form.samples *
+                                    bytes_of(form.type);
         if (plane == 0 || planes > bytes / plane)
             throw Error(fmt::format("{}: {} planes of {} bytes in a file of {}", file.string(),
                                     planes, plane, bytes));
@@ -335,39 +332,50 @@ ScanFile open_tiff(const std::filesystem::path& file) {
         const std::vector<Page> as_stored = pages;
         for (std::size_t n = 0; n < pages.size(); ++n) pages[stack.plane_of_page[n]] = as_stored[n];
     }
-    const std::uint64_t slice = checked_voxels(file, form.width, form.height, 1);
-    checked_voxels(file, form.width, form.height, static_cast<std::int64_t>(stack.slices));
+    return pages;
+}
 
+ScanGrid grid_of(const std::filesystem::path& file, const PageForm& form, const TiffStack& stack) {
     ScanGrid grid;
-    grid.size = {static_cast<std::int32_t>(form.width), static_cast<std::int32_t>(form.height),
-                 static_cast<std::int32_t>(stack.slices)};
+    grid.size = Vec3i(int(form.width), int(form.height), int(stack.slices));
     grid.type = type_name(form.type);
-    grid.world_from_index =
-        affine_of_axes({Vec3d{stack.edge.x, 0, 0}, {0, stack.edge.y, 0}, {0, 0, stack.edge.z}}, {});
+    grid.world_from_index = affine_from_voxels(stack.edge);
     for (int n = 0; n < 3; ++n)
         grid.world_from_index.translation[n] = 0 - stack.origin[n] * stack.edge[n];  // no -0
     grid.value_unit = stack.value_unit;
     grid.coordinates = stack.source;
     set_units(file, stack.units, grid);
+    return grid;
+}
+
+}  // namespace
+
+ScanFile open_tiff(const std::filesystem::path& file) {
+    const std::vector<std::filesystem::path> files = tiff_files(file);
+    PageForm form;
+    TiffStack stack;
+    const std::vector<Page> pages = pages_of(file, files, form, stack);
+    const std::uint64_t slice = checked_voxels(file, form.width, form.height, 1);
+    checked_voxels(file, form.width, form.height, static_cast<std::int64_t>(stack.slices));
     ScanFile scan;
     scan.note = stack.note;
-    scan.grids = named_copies(grid, form.samples > 1 ? color_names(form.samples)
-                                                     : frame_names(stack.frames, stack.channels));
+    scan.grids = named_copies(
+        grid_of(file, form, stack),
+        form.samples > 1 ? color_names(form.samples) : frame_names(stack.frames, stack.channels));
     scan.read = [files, pages, form, stack, slice](std::size_t n) {
         const std::size_t sample = form.samples > 1 ? n : 0, image = form.samples > 1 ? 0 : n;
         BigVector<float> values;
         resize_kept(values, stack.slices * slice);
         std::optional<Tiff> tiff;
         Singles stored, calibrated;
-        // GDAL rounds the largest float up: -3.40282346639e+38.
-        constexpr double kMost = std::numeric_limits<float>::max();
+        constexpr double kMost = std::numeric_limits<float>::max();  // GDAL rounds it up
         stored.blank = form.type == Number::float32
                            ? static_cast<float>(std::clamp(stack.blank, -kMost, kMost))
                            : stack.blank;
         std::size_t open = files.size();
         for (std::size_t z = 0; z < stack.slices; ++z) {
-            const Page& page =
-                pages[stack.plane(image % stack.channels, z, image / stack.channels)];
+            const auto at = stack.plane(image % stack.channels, z, image / stack.channels);
+            const Page& page = pages[at];
             if (page.file != open) tiff.emplace(files[page.file]), open = page.file;
             float* const plane = values.data() + z * slice;
             read_page(*tiff, page, form, sample, plane, stored);
