@@ -14,9 +14,9 @@ std::string shape_text(const py::array& array) {
 py::array numbers_of(const py::handle& data, const std::string& name) {
     const py::module_ numpy = py::module_::import("numpy");
     if (py::isinstance(data, numpy.attr("ma").attr("MaskedArray")))
-        throw Error(name +
-                    ": masked array, expected a plain array (array.filled(0), and active= "
-                    "for voxels)");
+        throw Error(
+            name +
+            ": masked array, expected a plain array (array.filled(0), and active= for voxels)");
     const py::array array = py::array::ensure(data);
     if (!array) {
         PyErr_Clear();

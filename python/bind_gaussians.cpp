@@ -360,8 +360,7 @@ Raises vog.Error where the file cannot be written, a bound cannot be met, or opt
             },
             py::arg("budget"),
             "A coarser model with at most `budget` Gaussians: neighbours are joined, which "
-            "conserves mass, "
-            "mean and covariance.")
+            "conserves mass, mean and covariance.")
         .def("__len__", &Gaussians::size)
         .def("__getitem__", &part_of, py::arg("index"))
         .def("__add__", &join, py::arg("other"), py::is_operator())

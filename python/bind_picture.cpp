@@ -227,16 +227,16 @@ Notebooks display it. PNG and EXR files keep the request: `vog render --request 
             },
             "[height, width] float32: the shown numbers, NaN where nothing is. Of T at the "
             "extinction, of volume the opacity.")
-        .def_property_readonly("column", &plane_of<&Sums::column>,
-                               "[height, width] float32: integral of the density along the ray, "
-                               "of show 'T' times the extinction, of 'slice' the density; None "
-                               "where it was not drawn.")
+        .def_property_readonly(
+            "column", &plane_of<&Sums::column>,
+            "[height, width] float32: integral of the density along the ray, of show 'T' times the "
+            "extinction, of 'slice' the density; None where it was not drawn.")
         .def_property_readonly("mean", &plane_of<&Sums::mean>,
                                "[height, width] float32: mean of the field along the ray, weighted "
                                "by density; None where it was not drawn.")
         .def_property_readonly("deviation", &plane_of<&Sums::deviation>,
-                               "[height, width] float32: standard deviation of the field along "
-                               "the ray, weighted by density; None where it was not drawn.")
+                               "[height, width] float32: standard deviation of the field along the "
+                               "ray, weighted by density; None where it was not drawn.")
         .def_property_readonly(
             "image", [](const DrawnPicture& self) { return Bitmap(self.picture.image); },
             "The colours, a vog.Image, with the marks around it.")

@@ -35,8 +35,7 @@ void bind_sample(py::module_& m) {
     define(
         m, "sample_head", [](const SampleOptions& o) { return sample_head(o); },
         "Procedural CT of a head as a Volume, Hounsfield units + 1000, world units mm. size: "
-        "voxels along an edge, 64 to "
-        "1024.");
+        "voxels along an edge, 64 to 1024.");
     m.def(
         "sample_fire",
         [](int size, std::uint32_t seed) {
@@ -47,8 +46,7 @@ void bind_sample(py::module_& m) {
         },
         py::arg("size") = SampleOptions{}.size, py::arg("seed") = SampleOptions{}.seed,
         "Procedural fireball as two Volumes of the same voxels, density and temperature in K. "
-        "size: voxels across, 64 to "
-        "1024.");
+        "size: voxels across, 64 to 1024.");
     define(
         m, "sample_levels",
         [](const SampleOptions& o) {
@@ -65,8 +63,7 @@ void bind_sample(py::module_& m) {
         py::arg("size") = ParticleSampleOptions{}.size,
         py::arg("seed") = ParticleSampleOptions{}.seed,
         "Procedural box of a cosmological simulation as Points, size^3 particles with velocities. "
-        "size: "
-        "8 to 512.");
+        "size: 8 to 512.");
 }
 
 }  // namespace vog::python

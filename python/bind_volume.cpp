@@ -381,10 +381,9 @@ fields  {name: field} as vog.convert takes them, of any sign; `vog convert FILE 
                 self.units = {units.first, units.second};
             })
         .def_readwrite("name", &Volume::name, "Name of the grid.")
-        .def_readwrite(
-            "background", &Volume::background,
-            "Value of empty space in the file: the file's values are densities plus this. -1000 of "
-            "Hounsfield units.")
+        .def_readwrite("background", &Volume::background,
+                       "Value of empty space in the file: the file's values are densities plus "
+                       "this. -1000 of Hounsfield units.")
         .def_readonly("source", &Volume::source, "File that the volume was read from, or ''.")
         .def_property_readonly(
             "matrix", [](const Volume& self) { return matrix_of(self.world_from_index); },
@@ -414,12 +413,10 @@ fields  {name: field} as vog.convert takes them, of any sign; `vog convert FILE 
         .def_property(
             "up", &direction_at<&Standing::up>, &set_direction_at<&Standing::up>,
             "(x, y, z), or the name of an axis when it is set: the direction that is upright in "
-            "the data, as "
-            "the file says or implies; None: not known, pictures take y.")
-        .def_property(
-            "front", &direction_at<&Standing::front>, &set_direction_at<&Standing::front>,
-            "(x, y, z): direction to an eye that sees the front, of scans of people; None: not "
-            "known.")
+            "the data, as the file says or implies; None: not known, pictures take y.")
+        .def_property("front", &direction_at<&Standing::front>, &set_direction_at<&Standing::front>,
+                      "(x, y, z): direction to an eye that sees the front, of scans of people; "
+                      "None: not known.")
         .def_property_readonly(
             "voxel_box", [](const Volume& self) { return box_array(voxel_box(self)); },
             "[2, 3] float64: lower and upper corner of the active voxels in world space; None "

@@ -19,10 +19,9 @@ Named named_models(const py::object& models, const std::string& title) {
         return {{title.empty() ? "model" : title, &models.cast<const Gaussians&>()}};
     Named all;
     if (!py::isinstance<py::dict>(models))
-        throw py::type_error("export_html: got " +
-                             py::type::of(models).attr("__name__").cast<std::string>() +
-                             ", expected Gaussians or {name: Gaussians}, "
-                             "as vog.convert(data) makes them");
+        throw py::type_error(
+            "export_html: got " + py::type::of(models).attr("__name__").cast<std::string>() +
+            ", expected Gaussians or {name: Gaussians}, as vog.convert(data) makes them");
     for (const auto& [name, model] : models.cast<py::dict>())
         all.emplace_back(cast_to<std::string>(name, "models", "names"),
                          &cast_to<const Gaussians&>(model, "models", "{name: Gaussians}"));
@@ -80,8 +79,8 @@ py::dict export_site(const std::filesystem::path& folder, const Named& named,
 std::filesystem::path path_elsewhere(const py::object& models) {
     if (!py::isinstance<py::str>(models) && !py::hasattr(models, "__fspath__"))
         throw py::type_error(
-            "export_html: url goes with a path of a site or of a compact model "
-            "(.vogz) as models, got " +
+            "export_html: url goes with a path of a site or of a compact model (.vogz) as models, "
+            "got " +
             py::type::of(models).attr("__name__").cast<std::string>());
     return cast_to<std::filesystem::path>(models, "export_html: models", "a path");
 }

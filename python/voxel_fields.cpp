@@ -16,8 +16,7 @@ namespace {
 
 constexpr const char* kExpected =
     "an array [X, Y, Z] or [X, Y, Z, 3], a pair ((i, j, k), array), a list of them, a Volume or "
-    "the "
-    "name of a grid in the volume's file";
+    "the name of a grid in the volume's file";
 
 /// A field as it is given, of one level.
 struct GivenField {

@@ -143,10 +143,9 @@ cli::Converted write_model(const std::string& file, const SharedModel& model, co
     // Another folder under the name would take this rank's rows: the file's name is random.
     std::error_code code;
     if (!fs::exists(name, code))
-        throw Error(
-            fmt::format("{}: the folder of the first rank is not there, expected one that "
-                        "all ranks share",
-                        file));
+        throw Error(fmt::format(
+            "{}: the folder of the first rank is not there, expected one that all ranks share",
+            file));
     ranks.agree();
     Failure failure;
     {

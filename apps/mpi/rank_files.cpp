@@ -81,8 +81,8 @@ void require_equal(const std::string& file, const std::string& text, const Ranks
     const auto other = std::ranges::find_if(all, [&](const auto& one) { return one != all[0]; });
     if (other == all.end()) return;
     throw Error(
-        fmt::format("{}: is another file on rank {} ({}) than on rank 0 ({}), expected one "
-                    "file, or copies of it",
+        fmt::format("{}: is another file on rank {} ({}) than on rank 0 ({}), expected one file, "
+                    "or copies of it",
                     file, other - all.begin(), *other, all[0]));
 }
 
@@ -156,10 +156,9 @@ SameFiles::SameFiles(std::span<const std::string> files, const Ranks& ranks, boo
 void SameFiles::check_unchanged() const {
     for (std::size_t n = 0; n < files_.size(); ++n)
         if (stamp_of(files_[n]) != stamps_[n])
-            throw Error(
-                fmt::format("{}: has changed while it was read, expected a file that "
-                            "nothing writes",
-                            files_[n]));
+            throw Error(fmt::format(
+                "{}: has changed while it was read, expected a file that nothing writes",
+                files_[n]));
 }
 
 }  // namespace vog::mpi

@@ -69,11 +69,10 @@ void SquareSums::add(double error2, double norm2) {
 
 RelativeError SquareSums::error() const {
     if (!(norm2_ > 0))
-        throw Error(
-            fmt::format("the error cannot be measured: {} views of {}x{} pixels show nothing of "
-                        "the data, whose "
-                        "parts are too small for their distance; expected a budget or a block",
-                        error_views(Box{}).size(), kSize_px, kSize_px));
+        throw Error(fmt::format(
+            "the error cannot be measured: {} views of {}x{} pixels show nothing of the data, "
+            "whose parts are too small for their distance; expected a budget or a block",
+            error_views(Box{}).size(), kSize_px, kSize_px));
     return {std::sqrt(worst2_), std::sqrt(error2_ / norm2_)};
 }
 

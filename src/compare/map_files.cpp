@@ -38,10 +38,9 @@ struct NpyHeader {
 };
 
 [[noreturn]] void refuse(const std::string& name, const std::string& header) {
-    throw Error(
-        fmt::format("{}: {}, expected a NumPy array (height, width) of float32 or float64 in "
-                    "C order",
-                    name, printable(header, 100)));
+    throw Error(fmt::format(
+        "{}: {}, expected a NumPy array (height, width) of float32 or float64 in C order", name,
+        printable(header, 100)));
 }
 
 NpyHeader header_of(const std::string& name, std::ifstream& in) {

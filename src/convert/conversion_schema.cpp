@@ -69,9 +69,9 @@ std::vector<ConversionOption> moment_entries() {
         {"joint_field", "moments", VOG_OPTION(joint_field), "",
          "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
          "joint space of position and value: volume (the volume's own values), the name of a field "
-         "that they carry, or none. T is then less exact; the report says by how much. "
-         "`error` and `refine_seconds` then judge volume pictures. Default: volume of dense "
-         "images, with an error by value of about 0.1; else none",
+         "that they carry, or none. T is then less exact; the report says by how much. `error` and "
+         "`refine_seconds` then judge volume pictures. Default: volume of dense images, with an "
+         "error by value of about 0.1; else none",
          false},
         {"joint_steps", "moments", VOG_OPTION(joint_steps), "[1, 1000]",
          "Steps of `joint_field`; more make narrow bands of values better and T worse"},
@@ -92,8 +92,8 @@ std::vector<ConversionOption> paper_entries() {
          "about a third of the mass); mass, the peak that conserves mass"},
         // The cutoff sqrt(-2 ln kappa) lies within (0, 8].
         {"kappa", "paper paper-particles", VOG_OPTION(paper.kappa), "[1.3e-14, 1)",
-         "Truncate kernels where they have fallen to this fraction of their peak: at "
-         "sqrt(-2 ln kappa) standard deviations"},
+         "Truncate kernels where they have fallen to this fraction of their peak: at sqrt(-2 ln "
+         "kappa) standard deviations"},
         {"opacity_threshold", "paper", VOG_OPTION(paper.opacity_threshold), "[0, inf)",
          "Drop groups of voxels whose mean density is at or below this; 0 drops empty groups only"},
         {"variance_threshold", "paper", VOG_OPTION(paper.variance_threshold), "[0, inf)",

@@ -110,11 +110,10 @@ void require_densities(const std::vector<BlockInLeaf>& overlaps, std::span<const
     const Vec3i at = first->first_invalid, in_block = at - block.first;
     const float value = block.value[in_block.x * block.stride[0] + in_block.y * block.stride[1] +
                                     in_block.z * block.stride[2]];
-    throw Error(
-        fmt::format("{}: {} values that are no densities, the first {} at [{}, {}, {}], expected "
-                    "finite and >= 0 (skip_nonfinite leaves such voxels out, clip_negative sets "
-                    "them to 0)",
-                    name, invalid, value, at.x, at.y, at.z));
+    throw Error(fmt::format(
+        "{}: {} values that are no densities, the first {} at [{}, {}, {}], expected finite and >= "
+        "0 (skip_nonfinite leaves such voxels out, clip_negative sets them to 0)",
+        name, invalid, value, at.x, at.y, at.z));
 }
 
 }  // namespace

@@ -155,8 +155,8 @@ void append(Gaussians& gaussians, const Gaussians& other) {
     }
     if (gaussians.cutoff != other.cutoff)
         throw Error(
-            fmt::format("{}: cutoff {}, expected {} as in {}: models with different kernels "
-                        "cannot be one model",
+            fmt::format("{}: cutoff {}, expected {} as in {}: models with different kernels cannot "
+                        "be one model",
                         other.source, other.cutoff, gaussians.cutoff, gaussians.source));
     require_same_length(other.content.units.length, other.source, gaussians.content.units.length,
                         gaussians.source);
@@ -278,10 +278,9 @@ void validate(const Gaussians& gaussians) {
             fail(fmt::format("Gaussian {}: density {}, expected finite and >= 0", i,
                              gaussians.density[i]));
         const Quat q = gaussians.rotation[i];
-        fail(
-            fmt::format("Gaussian {}: rotation {} {} {} {}, expected a quaternion of finite, "
-                        "nonzero length",
-                        i, q.w, q.x, q.y, q.z));
+        fail(fmt::format(
+            "Gaussian {}: rotation {} {} {} {}, expected a quaternion of finite, nonzero length", i,
+            q.w, q.x, q.y, q.z));
     }
     try {
         validate(gaussians.fields, n);

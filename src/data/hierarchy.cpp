@@ -110,10 +110,9 @@ void validate(const Hierarchy& hierarchy, const Gaussians& model, const std::str
     for (std::size_t n = 0; n < count; ++n)
         for (const float length : {hierarchy.radius[n], hierarchy.error[n]})
             if (!(length >= 0) || !std::isfinite(length))
-                fail(
-                    fmt::format("node {} of the hierarchy: radius {}, error {}, expected finite "
-                                "and >= 0",
-                                n, hierarchy.radius[n], hierarchy.error[n]));
+                fail(fmt::format(
+                    "node {} of the hierarchy: radius {}, error {}, expected finite and >= 0", n,
+                    hierarchy.radius[n], hierarchy.error[n]));
 }
 
 void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves) {

@@ -165,8 +165,7 @@ void require_values(const Points& points, const std::string& name, const BigVect
         if (std::isnan(values[n]))
             throw Error(
                 fmt::format("{}: '{}' of particle {} is missing, expected a number "
-                            "(--skip-nonfinite leaves such particles "
-                            "out)",
+                            "(--skip-nonfinite leaves such particles out)",
                             where(points), name, n));
 }
 

@@ -81,8 +81,7 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
                                 file.string(), settings(earlier), settings(now)));
     if (earlier.views.size() != now.views.size())
         throw Error(
-            fmt::format("{}: results of {} views, expected {} (without resume they are "
-                        "replaced)",
+            fmt::format("{}: results of {} views, expected {} (without resume they are replaced)",
                         file.string(), earlier.views.size(), now.views.size()));
     return std::move(earlier.rows);
 }

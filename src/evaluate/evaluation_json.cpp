@@ -255,10 +255,10 @@ Evaluation read_results(const std::filesystem::path& file) {
                                     json.at("format").dump(), kFormat));
         return evaluation_from(file, json);
     } catch (const nlohmann::json::exception& error) {
-        throw Error(fmt::format(
-            "{}: not the results of an evaluation, or damaged: {} (without resume they are "
-            "replaced)",
-            file.string(), json_fault(error)));
+        throw Error(
+            fmt::format("{}: not the results of an evaluation, or damaged: {} (without resume they "
+                        "are replaced)",
+                        file.string(), json_fault(error)));
     }
 }
 

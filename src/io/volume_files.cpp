@@ -91,8 +91,8 @@ DefaultGrid default_of(const std::filesystem::path& file, const VdbOptions& opti
 void check_background(const std::filesystem::path& file, const VdbOptions& options) {
     if (options.values.background && !options.mask && !is_scan(file))
         throw Error(
-            fmt::format("{}: has no background value, expected a dense image (.nii, .nrrd, "
-                        ".mha, .tif, ...) with --set background-value",
+            fmt::format("{}: has no background value, expected a dense image (.nii, .nrrd, .mha, "
+                        ".tif, ...) with --set background-value",
                         file.string()));
 }
 

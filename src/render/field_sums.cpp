@@ -41,13 +41,13 @@ std::string whole_name(const std::string& text) {
             printable(text), printable(whole_name(text))));
     std::vector<std::string> names;
     for (const std::string& name : fields.names()) names.push_back(printable(name));
-    throw Error(fmt::format(
-        "no field '{}' in the model, expected one of {}{}; vog convert VOLUME -o model.ply --field "
-        "NAME adds others",
-        printable(text), fmt::join(names, ", "),
-        fields.vector.empty()
-            ? ""
-            : " (of a vector field NAME.x, NAME.y, NAME.z or NAME.magnitude, too)"));
+    throw Error(
+        fmt::format("no field '{}' in the model, expected one of {}{}; vog convert VOLUME -o "
+                    "model.ply --field NAME adds others",
+                    printable(text), fmt::join(names, ", "),
+                    fields.vector.empty()
+                        ? ""
+                        : " (of a vector field NAME.x, NAME.y, NAME.z or NAME.magnitude, too)"));
 }
 
 }  // namespace

@@ -22,8 +22,7 @@ void require_range(const ColorScale& scale) {
     if (!std::isfinite(scale.low) || !std::isfinite(scale.high) || !(scale.low < scale.high) ||
         (log && !(scale.low > 0)))
         throw Error(
-            fmt::format("range {} to {}, expected finite numbers, the first below the "
-                        "second{}",
+            fmt::format("range {} to {}, expected finite numbers, the first below the second{}",
                         scale.low, scale.high, log ? ", above 0 (logarithmic)" : ""));
 }
 

@@ -133,10 +133,9 @@ std::vector<ValueOpacity> paraview_opacity(const json& list, const std::string& 
     for (const auto& row : rows)
         for (std::size_t c = 1; c < 4; ++c)
             if (!(row[c] >= 0 && row[c] <= 1))
-                throw Error(
-                    fmt::format("{}: point at {} has {}, expected opacity, midpoint and "
-                                "sharpness in [0, 1]",
-                                where, row[0], row[c]));
+                throw Error(fmt::format(
+                    "{}: point at {} has {}, expected opacity, midpoint and sharpness in [0, 1]",
+                    where, row[0], row[c]));
     std::vector<ValueOpacity> points;
     const auto add = [&](double x, double opacity) { points.push_back({x, opacity}); };
     add(rows[0][0], rows[0][1]);
@@ -185,8 +184,7 @@ TransferPoints from_paraview(const json& preset, const std::string& where) {
     const double lowest = rows.front()[0], range = rows.back()[0] - lowest;
     if (!(range > 0 && std::isfinite(range)))
         throw Error(
-            fmt::format("{}RGBPoints: scalars from {} to {}, expected a finite range above "
-                        "0",
+            fmt::format("{}RGBPoints: scalars from {} to {}, expected a finite range above 0",
                         where, lowest, rows.back()[0]));
     std::map<float, double> scalars;
     for (const auto& row : rows) {
@@ -274,8 +272,8 @@ TransferPoints from_json(const json& root, const std::string& where) {
     if (root.is_object() && root.contains("RGBPoints")) return from_paraview(root, where);
     if (root.is_object() && root.contains("colors")) return from_vog(root, where);
     throw Error(
-        fmt::format("{}no transfer function, expected an array of ParaView presets "
-                    "(RGBPoints) or an object with colors",
+        fmt::format("{}no transfer function, expected an array of ParaView presets (RGBPoints) or "
+                    "an object with colors",
                     where));
 }
 

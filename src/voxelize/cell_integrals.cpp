@@ -134,8 +134,7 @@ IndexGaussian index_gaussian(const Gaussians& model, std::size_t i,
         if (!(lower > -kFarthest && upper < kFarthest))
             throw Error(fmt::format(
                 "{}: Gaussian {} lies at voxels {:.4g} to {:.4g} along {}, expected indices within "
-                "2^30: a "
-                "larger voxel size",
+                "2^30: a larger voxel size",
                 model.source.empty() ? "model" : model.source, i, lower, upper, "xyz"[axis]));
         result.box.lower[axis] = voxel_of(lower);
         result.box.upper[axis] = voxel_of(upper);

@@ -206,8 +206,7 @@ class Voxelizer {
     [[noreturn]] void fail_size(double bytes) const {
         throw Error(
             fmt::format("{}: the voxels take more than {:.3g} GB, expected at most {:.3g} GB: "
-                        "larger voxels, or --memory, with "
-                        "which they lie in a scratch file",
+                        "larger voxels, or --memory, with which they lie in a scratch file",
                         where_, bytes * 1e-9, static_cast<double>(limit_) * 1e-9));
     }
 

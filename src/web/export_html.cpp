@@ -195,10 +195,8 @@ void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
     if (quantity.transfer) vog::validate(*quantity.transfer);
     if (show == "T" || show == "column") return;
     if (model.fields.empty() || (of_scalars && model.fields.scalar.empty()))
-        throw Error(
-            fmt::format("page: the model has no field for {}, expected one "
-                        "(vog convert --field)",
-                        show));
+        throw Error(fmt::format(
+            "page: the model has no field for {}, expected one (vog convert --field)", show));
     if (quantity.field.empty()) return;
     const FieldChoice choice = field_choice(quantity.field, model.fields);
     if (of_scalars && choice.part != FieldPart::value)

@@ -121,10 +121,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const Give
     else
         check_output(arguments.output, arguments.inputs, {".ply", ".vogz"});
     if (kind == FileKind::model && ranks.collective)
-        throw Error(
-            fmt::format("{}: a model; vog convert reads models, vog-mpi convert volumes "
-                        "and particles",
-                        arguments.inputs.front()));
+        throw Error(fmt::format(
+            "{}: a model; vog convert reads models, vog-mpi convert volumes and particles",
+            arguments.inputs.front()));
     const std::string of_particles = arguments.method == "paper" ? "paper-particles" : "particles";
     Facts facts = {{"input", input_fact(kind, arguments.inputs)},
                    {"conversion", kind == FileKind::points ? of_particles : arguments.method},
@@ -202,8 +201,7 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments,
     if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
         throw UsageError(
             "--grid with a pattern joins grids to the levels of one mesh, which a sequence does "
-            "not "
-            "support; expected one file and one output at a time");
+            "not support; expected one file and one output at a time");
     std::vector<Frame> frames = frames_of(arguments.inputs, arguments.output, ".ply");
     keep_assigned(frames, ranks);
     const std::size_t all = frames.size();
@@ -264,39 +262,37 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
     command
         ->add_option("-o,--output", arguments->output,
                      "Model to write (.ply or .vogz); particles can be written unconverted as "
-                     ".vdb, .xyz, .csv "
-                     "or .tsv. A folder (or a name that ends in /): one model per input, for time "
-                     "series")
+                     ".vdb, .xyz, .csv or .tsv. A folder (or a name that ends in /): one model per "
+                     "input, for time series")
         ->required();
     add_volume_options(*command, arguments->volume);
     add_value(*command, "--method", arguments->method, "moments paper",
               "moments: each Gaussian has the mass, mean and covariance of its cell; paper: block "
               "by block, as Sharma and Schmalstieg");
-    command->add_option(
-        "--field", arguments->fields,
-        "Field that Gaussians carry beside density, for pictures of it (vog render --show): GRID "
-        "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. Of "
-        "particles velocity, a column or NAME=COLUMN. Repeatable. The volume's own values are one "
-        "by default");
+    command->add_option("--field", arguments->fields,
+                        "Field that Gaussians carry beside density, for pictures of it (vog render "
+                        "--show): GRID of the same file, FILE:GRID, or NAME=FILE:GRID; vector "
+                        "grids become vector fields. Of particles velocity, a column or "
+                        "NAME=COLUMN. Repeatable. The volume's own values are one by default");
     command->add_option("--labels", arguments->labels,
                         "Labels that divide the volume, as of a segmentation: a grid of whole "
-                        "numbers, FILE, FILE:GRID or GRID. No Gaussian "
-                        "straddles two of them, and each has its own as the field 'label'");
+                        "numbers, FILE, FILE:GRID or GRID. No Gaussian straddles two of them, and "
+                        "each has its own as the field 'label'");
     add_value(*command, "--measure", arguments->measure, "density volume",
               "Weight of a voxel. density: its value, which must not be negative; volume: 1 for "
               "each active voxel, of signed values too (Hounsfield units, differences, "
               "velocities), which Gaussians carry as a field");
-    command->add_flag("--no-fields", arguments->no_fields,
-                      "Carry no fields, not even the volume's own values: 24 bytes less for each "
-                      "Gaussian");
+    command->add_flag(
+        "--no-fields", arguments->no_fields,
+        "Carry no fields, not even the volume's own values: 24 bytes less for each Gaussian");
     add_conversion_options(*command, *arguments);
     add_point_options(*command, arguments->points);
     add_memory_options(*command, arguments->memory,
                        ". Time series: as many files are converted at once as fit");
     command
-        ->add_flag("--again", arguments->again,
-                   "Time series: convert all files again, also those whose model is newer than the "
-                   "file")
+        ->add_flag(
+            "--again", arguments->again,
+            "Time series: convert all files again, also those whose model is newer than the file")
         ->group(kLargeDataGroup);
     command->add_flag("--no-hierarchy", arguments->no_hierarchy,
                       "Write no level-of-detail hierarchy (coarser Gaussians for distant views): a "

@@ -218,10 +218,10 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     add_value(*command, "--show", arguments->show, "T volume",
               "T, or volume: volume pictures are compared too, emission and absorption under "
               "several transfer functions from seven views");
-    command->add_flag("--voxels", arguments->options.voxels,
-                      "Measure the field error too: each model turned back into voxels, as vog "
-                      "voxelize --like does, "
-                      "against the volume, or the visible voxels of a mesh's levels");
+    command->add_flag(
+        "--voxels", arguments->options.voxels,
+        "Measure the field error too: each model turned back into voxels, as vog voxelize --like "
+        "does, against the volume, or the visible voxels of a mesh's levels");
     add_value(*command, "--repeat", arguments->options.repeats, "[1, 1000]",
               "Timed renders per view, after one warm-up");
     command->add_flag("--resume", arguments->options.resume,

@@ -132,10 +132,10 @@ Json write_model(Gaussians model, const ExportArguments& arguments, Stages& stag
     std::vector<std::string> lines;
     if (arguments.layout == "volprim") {
         stages.run("save", [&] { write_volprim(output, model, extinction); });
-        lines = {"Coordinates are the data's.",
-                 fmt::format("Mass is kept; kernels end at 3 standard deviations there, at {:.3g} "
-                             "here.",
-                             model.cutoff)};
+        lines = {
+            "Coordinates are the data's.",
+            fmt::format("Mass is kept; kernels end at 3 standard deviations there, at {:.3g} here.",
+                        model.cutoff)};
     } else {
         lines = write_as_splats(model, arguments, extinction, up, stages, report);
         report["gaussians"] = model.size();
@@ -245,11 +245,11 @@ void export_files(ExportArguments arguments, const GivenOptions& command) {
 
 void add_export(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
-    CLI::App* command = app.add_subcommand(
-        "export",
-        "Export models to other programs' formats: Gaussian splats (.spz, .glb, .usda, .ply), "
-        "Mitsuba's volumetric primitives (.ply), or surfaces of models and volumes (.stl, .obj, "
-        ".ply)");
+    CLI::App* command =
+        app.add_subcommand("export",
+                           "Export models to other programs' formats: Gaussian splats (.spz, .glb, "
+                           ".usda, .ply), Mitsuba's volumetric primitives (.ply), or surfaces of "
+                           "models and volumes (.stl, .obj, .ply)");
     add_model_options(*command, arguments->models,
                       "File to write: .spz, .glb, .usda, .ply with --as; with --iso .stl, .obj or "
                       ".ply. Several inputs are added up");

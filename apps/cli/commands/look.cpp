@@ -66,10 +66,9 @@ void look_into(const std::string& folder) {
         }
     }
     if (counts.empty())
-        throw Error(
-            fmt::format("{}: a folder without files that vog reads (vog convert --help lists "
-                        "formats)",
-                        folder));
+        throw Error(fmt::format(
+            "{}: a folder without files that vog reads (vog convert --help lists formats)",
+            folder));
     std::string list;
     for (const auto& [extension, count] : counts)
         list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, extension);

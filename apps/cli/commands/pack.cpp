@@ -179,12 +179,11 @@ void add_pack(CLI::App& app) {
         add_value(*command, "--max-loss", arguments->max_loss_db, "(0, inf)",
                   "Find the coarsest rounding that loses at most this much PSNR of V against the "
                   "data in seven views, dB. Default: --set rounding, about 0.1 dB");
-    CLI::Option* reference =
-        command
-            ->add_option("--reference", arguments->reference,
-                         "With --max-loss: the data, volumes as FILE or FILE:GRID (several: levels "
-                         "of one mesh). Repeatable")
-            ->needs(loss);
+    CLI::Option* reference = command
+                                 ->add_option("--reference", arguments->reference,
+                                              "With --max-loss: the data, volumes as FILE or "
+                                              "FILE:GRID (several: levels of one mesh). Repeatable")
+                                 ->needs(loss);
     add_value(*command, setting("model-psnr"), arguments->model_psnr_db, "(0, inf)",
               "With --max-loss and no --reference: the assumed PSNR of V of the model against its "
               "data, dB; default 50")

@@ -140,8 +140,8 @@ Json render_sequence(const RenderArguments& arguments, const GivenOptions& comma
         const SharedScales scales = share_first(picture, ranks, one);
         if (fixes_range && ranks.is_root)
             note(
-                fmt::format("colours of all pictures from {:.6g} to {:.6g}, the range of the "
-                            "first (--range sets another)",
+                fmt::format("colours of all pictures from {:.6g} to {:.6g}, the range of the first "
+                            "(--range sets another)",
                             scales.low, scales.high));
     }
     std::vector<PictureReport> all = allgather(own, ranks);

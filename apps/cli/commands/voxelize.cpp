@@ -138,10 +138,9 @@ void add_voxelize(CLI::App& app) {
     command->add_option("--like", arguments->like,
                         "Use the lattice of this volume: voxel size, rotation, skew and alignment. "
                         "Of several levels (--grid 'density_L*'), the finest");
-    command->add_option(
-        "--grid", arguments->grid,
-        "Grid of --like, or a pattern of levels; default: the only scalar grid, else density, else "
-        "all levels");
+    command->add_option("--grid", arguments->grid,
+                        "Grid of --like, or a pattern of levels; default: the only scalar grid, "
+                        "else density, else all levels");
     command->add_flag("--within", arguments->within,
                       "Write only voxels in the box around --like's active voxels, and report the "
                       "share of mass outside");

@@ -39,9 +39,8 @@ void note_missed_by_value(const std::string& input, double measured, double targ
 /// measured  "measured error 0.034"
 void note_stopped(const std::string& input, const std::string& measured, double target) {
     note(fmt::format(
-        "{}: {} in the worst view: the default stops at one Gaussian "
-        "to {} voxels (at {} of small data) or at an error of {}, whichever is fewer; --error and "
-        "--budget go on",
+        "{}: {} in the worst view: the default stops at one Gaussian to {} voxels (at {} of small "
+        "data) or at an error of {}, whichever is fewer; --error and --budget go on",
         input, measured, kVoxelsPerGaussian, count_text(kSmallCount), target));
 }
 

@@ -111,10 +111,10 @@ bool is_film(const std::string& output) {
 Film::Film(const std::string& file, double per_second)
     : file_(file), program_(program_path("ffmpeg")), per_second_(per_second) {
     if (program_.empty())
-        throw Error(fmt::format(
-            "{}: films need the program ffmpeg, which is not installed; -o FOLDER/ writes the "
-            "pictures as PNG files",
-            file));
+        throw Error(
+            fmt::format("{}: films need the program ffmpeg, which is not installed; -o FOLDER/ "
+                        "writes the pictures as PNG files",
+                        file));
 }
 
 Film::~Film() {

@@ -80,9 +80,8 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
         ".mhd, .raw, .tif or .fits (volume), .hdf5, .xyz, .extxyz, .pts, .asc, .csv, .ecsv, .tsv, "
-        ".dat or "
-        ".txt (particles), .ply, .vogz or .json (model, index of models), .spz, .glb, .usda, "
-        "or .usd (splats); or a file that Python reads: python3 -m vog COMMAND FILE",
+        ".dat or .txt (particles), .ply, .vogz or .json (model, index of models), .spz, .glb, "
+        ".usda, or .usd (splats); or a file that Python reads: python3 -m vog COMMAND FILE",
         file, extension));
 }
 
@@ -90,10 +89,10 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
     const FileKind kind = kind_of(inputs.front(), grid);
     for (const std::string& input : inputs)
         if (kind_of(input, grid) != kind)
-            throw Error(fmt::format(
-                "{} and {} are different kinds of data; inputs must all be volumes, all "
-                "particles or all models",
-                input, inputs.front()));
+            throw Error(
+                fmt::format("{} and {} are different kinds of data; inputs must all be volumes, "
+                            "all particles or all models",
+                            input, inputs.front()));
     return kind;
 }
 
@@ -189,10 +188,10 @@ std::optional<Box> period_of(const PointInputOptions& options) {
     try {
         return box_of_numbers(parse_numbers(*options.periodic));
     } catch (const Error&) {
-        throw UsageError(fmt::format(
-            "--periodic {}: expected auto, the box's edge, x,y,z edges or x0,y0,z0,x1,y1,z1 (after "
-            "the inputs, or with a value)",
-            *options.periodic));
+        throw UsageError(
+            fmt::format("--periodic {}: expected auto, the box's edge, x,y,z edges or "
+                        "x0,y0,z0,x1,y1,z1 (after the inputs, or with a value)",
+                        *options.periodic));
     }
 }
 

@@ -275,8 +275,7 @@ std::string advice_on(const std::string& file) {
         return fmt::format("a picture; vog compare REFERENCE.png {} measures its error", name);
     if (extension == ".exr")
         return fmt::format(
-            "an image of optical depth or values; vog compare REFERENCE.exr {} "
-            "measures its error",
+            "an image of optical depth or values; vog compare REFERENCE.exr {} measures its error",
             name);
     if (extension == ".obj" || extension == ".stl")
         return fmt::format(
@@ -285,8 +284,7 @@ std::string advice_on(const std::string& file) {
             name);
     if (extension == ".usdz")
         return "a package of OpenUSD: unzip it; vog reads the splats of a .usda, which usdcat "
-               "makes of "
-               "a .usdc";
+               "makes of a .usdc";
     if (extension == ".mp4" || extension == ".webm") return "a film: open it in a player";
     if (extension == ".json") {
         const nlohmann::json json = json_of(file);

@@ -96,8 +96,8 @@ _{0}() {{
     script += "    esac\n    case ${COMP_WORDS[1]} in\n";
     for (const CommandText& command : program.commands)
         script += fmt::format(
-            "        {})\n            words=\"{}\"\n            [[ $word == -* ]] && "
-            "words=\"{}\" ;;\n",
+            "        {})\n            words=\"{}\"\n            [[ $word == -* ]] && words=\"{}\" "
+            ";;\n",
             command.name, fmt::join(argument_words(command), " "),
             fmt::join(option_words(command), " "));
     script += fmt::format(

@@ -155,8 +155,7 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
     command
         .add_option("--look-at", arguments.look_at,
                     "Point x,y,z to look at, world units, from as far as shows all, or --distance; "
-                    "default: "
-                    "the middle of what the data show")
+                    "default: the middle of what the data show")
         ->check(vector_error);
     add_up_option(command, arguments);
     add_value(command, setting("roll"), arguments.roll_degrees, "",

@@ -57,13 +57,16 @@ bool is_reserved(const std::string& name) {
 void check_name(const std::string& text, const std::string& name) {
     const auto in_name = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
     if (name.empty() || !std::ranges::all_of(name, in_name))
-        refuse(text, fmt::format("name '{}' of a field, expected letters, digits, _ and - "
-                                 "(NAME=... states one)",
-                                 printable(name)));
+        refuse(text,
+               fmt::format(
+                   "name '{}' of a field, expected letters, digits, _ and - (NAME=... states one)",
+                   printable(name)));
     if (is_reserved(name))
-        refuse(text, fmt::format("name '{}' is reserved for the Gaussians, expected another "
-                                 "(NAME=... states one)",
-                                 name));
+        refuse(
+            text,
+            fmt::format(
+                "name '{}' is reserved for the Gaussians, expected another (NAME=... states one)",
+                name));
 }
 
 /// throws UsageError where the last field has another's name
@@ -72,8 +75,7 @@ void check_unused(const std::string& text, const std::vector<Field>& fields) {
     const std::string& name = fields.back().name;
     const auto same = [&](const Field& other) { return other.name == name; };
     if (!name.empty() && std::ranges::count_if(fields, same) > 1)
-        refuse(text, fmt::format("a second field named '{}', expected a name of its own "
-                                 "(NAME=...)",
+        refuse(text, fmt::format("a second field named '{}', expected a name of its own (NAME=...)",
                                  name));
 }
 

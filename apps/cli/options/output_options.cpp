@@ -10,10 +10,10 @@ namespace vog::cli {
 
 void add_model_options(CLI::App& command, ModelArguments& arguments, const std::string& output) {
     command
-        .add_option("inputs", arguments.inputs,
-                    "Models (.ply, .vogz, sites); or volumes or particles, converted with the "
-                    "default options of vog convert. Quoted patterns match files in natural order: "
-                    "'frame_*.ply'")
+        .add_option(
+            "inputs", arguments.inputs,
+            "Models (.ply, .vogz, sites); or volumes or particles, converted with the default "
+            "options of vog convert. Quoted patterns match files in natural order: 'frame_*.ply'")
         ->required();
     command.add_option("-o,--output", arguments.output, output)->required();
     add_value(command, "--budget", arguments.budget, "[1, inf)",
@@ -40,10 +40,10 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
         "Name of a model in the page's selector; repeat once per model. Default: the file's name")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command.add_flag("--precise", arguments.precise,
-                     "Round numbers four times as finely, for 4 more bytes per Gaussian. Rims of "
-                     "opaque surfaces then differ by 2 of 255 from vog render's, otherwise by up "
-                     "to 10");
+    command.add_flag(
+        "--precise", arguments.precise,
+        "Round numbers four times as finely, for 4 more bytes per Gaussian. Rims of opaque "
+        "surfaces then differ by 2 of 255 from vog render's, otherwise by up to 10");
     command.add_flag("--steps,!--no-steps", arguments.steps,
                      "Treat the models as steps in time, with a play bar, one extinction and one "
                      "range for all. Default: yes if a single pattern names them");

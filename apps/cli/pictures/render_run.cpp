@@ -130,16 +130,15 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
         static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
     const auto covered = static_cast<std::size_t>(std::lround(picture.covered * double(pixels)));
     if (covered < pixels / 1000 && inputs.gaussians + inputs.active_voxels > 0) {
-        picture.notes.push_back(fmt::format(
-            "{}: only {} of {} pixels show anything: {}", arguments.drawing.inputs.front(),
-            count_text(covered), count_text(pixels),
-            is_edge_on(made.request)
-                ? "the plane is seen edge-on; another --view shows it, and none looks along its "
-                  "normal"
-            : made.request.options.clip.empty()
-                ? "the data are smaller than a pixel or outside the view; --look-at, --distance "
-                  "and --orthographic --width change it"
-                : "--clip cuts away what the view shows; another one keeps more"));
+        picture.notes.push_back(
+            fmt::format("{}: only {} of {} pixels show anything: {}",
+                        arguments.drawing.inputs.front(), count_text(covered), count_text(pixels),
+                        is_edge_on(made.request) ? "the plane is seen edge-on; another --view "
+                                                   "shows it, and none looks along its normal"
+                        : made.request.options.clip.empty()
+                            ? "the data are smaller than a pixel or outside the view; --look-at, "
+                              "--distance and --orthographic --width change it"
+                            : "--clip cuts away what the view shows; another one keeps more"));
         print_notes({picture.notes.back()});
     }
     return picture;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string_view>
 
 #include "files/sequence.h"
@@ -40,45 +41,29 @@ bool names_file(const std::string& field) { return field.find_first_of(":=") != 
 /// The file's request, without what the command line's words replace.
 PictureRequest kept(const PictureRequest& file, const RequestWords& words, FileKind kind) {
     Json json = Json::parse(request_json(file));
-    const auto drop = [&](std::initializer_list<const char*> keys) {
-        for (const char* key : keys) json.erase(key);
+    const auto drop = [&](const char* keys) {
+        std::istringstream named(keys);
+        for (std::string key; named >> key;) json.erase(key);
     };
     // Another quantity has other values.
     if (words.has("show") || words.has("field"))
-        drop({"field",
-              "tf",
-              "range",
-              "scale",
-              "window",
-              "bands",
-              "threshold",
-              "unit_distance",
-              "gradient_opacity",
-              "units",
-              "extinction",
-              "light",
-              "light_weights",
-              "shadows",
-              "light_from",
-              "clip_lights",
-              "ambient_occlusion",
-              "scattering",
-              "asymmetry",
-              "slabs",
-              "layers"});
+        drop(
+            "field tf range scale window bands threshold unit_distance gradient_opacity units "
+            "extinction light light_weights shadows light_from clip_lights ambient_occlusion "
+            "scattering asymmetry slabs layers");
     if (words.has("layers"))
-        drop({"field", "tf", "range", "scale", "window", "bands", "threshold", "unit_distance",
-              "gradient_opacity"});
-    if (words.has("window") || words.has("bands")) drop({"tf", "range", "scale"});
-    if (words.has("window")) drop({"bands"});
-    if (words.has("bands")) drop({"window"});
-    if (words.has("tf")) drop({"window", "bands"});
-    if (words.has("scale")) drop({"range"});
+        drop("field tf range scale window bands threshold unit_distance gradient_opacity");
+    if (words.has("window") || words.has("bands")) drop("tf range scale");
+    if (words.has("window")) drop("bands");
+    if (words.has("bands")) drop("window");
+    if (words.has("tf")) drop("window bands");
+    if (words.has("scale")) drop("range");
     const RenderInput input =
         kind == FileKind::volume ? RenderInput::volumes : RenderInput::gaussians;
     if (words.has("renderer") || (file.renderer && !draws(*file.renderer, input)))
-        drop({"renderer", "slabs", "precision", "anyhit", "hits_per_slab", "stop_transmittance",
-              "aabb_sigma", "pixel_error", "interpolation", "step", "samples"});
+        drop(
+            "renderer slabs precision anyhit hits_per_slab stop_transmittance aabb_sigma "
+            "pixel_error interpolation step samples");
     return request_of_json(json.dump());
 }
 

@@ -47,10 +47,10 @@ void add_convert(CLI::App& app, const Ranks& ranks) {
     };
     hooks.allgather = [&ranks](const std::string& text) { return ranks.gather(text); };
     CLI::App* command = cli::add_convert(app, arguments, hooks);
-    command->add_flag("--split", *split,
-                      "Write one PLY per rank instead of one file (volumes only): -o model.ply "
-                      "gives model.0.ply, model.1.ply, ... and the index model.json, which names "
-                      "them");
+    command->add_flag(
+        "--split", *split,
+        "Write one PLY per rank instead of one file (volumes only): -o model.ply gives "
+        "model.0.ply, model.1.ply, ... and the index model.json, which names them");
 }
 
 }  // namespace vog::mpi

@@ -45,10 +45,9 @@ void check(const SiteArguments& arguments, const cli::GivenOptions& command, Fil
                         "single pages",
                         given.output));
     if (kind == FileKind::points)
-        throw Error(
-            fmt::format("{}: particles, expected volumes or models (vog-mpi convert makes "
-                        "a model of them)",
-                        given.inputs.front()));
+        throw Error(fmt::format(
+            "{}: particles, expected volumes or models (vog-mpi convert makes a model of them)",
+            given.inputs.front()));
     const cli::Facts facts = {{"input", cli::input_fact(kind, given.inputs)},
                               {"conversion", "moments"},
                               {"output", "site"},
@@ -196,10 +195,9 @@ void add_page(CLI::App& app, const Ranks& ranks) {
     command
         ->add_option(
             "inputs", convert.inputs,
-            "Volumes (.vdb, .nvdb; .nii, .nrrd, .mha, .tif, .fits), converted to one model "
-            "by parts as vog-mpi convert does; or models (.ply, .vogz, .json), each divided "
-            "among the ranks. Quoted patterns match files in natural order, models as steps "
-            "in time")
+            "Volumes (.vdb, .nvdb; .nii, .nrrd, .mha, .tif, .fits), converted to one model by "
+            "parts as vog-mpi convert does; or models (.ply, .vogz, .json), each divided among the "
+            "ranks. Quoted patterns match files in natural order, models as steps in time")
         ->required();
     command
         ->add_option("-o,--output", convert.output,

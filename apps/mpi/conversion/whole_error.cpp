@@ -73,8 +73,8 @@ RelativeError WholeError::of(const std::function<DepthImage(const Camera&)>& pic
     }
     if (!(norm2 > 0))
         throw Error(
-            "the error cannot be measured: no view shows anything of the data, whose parts "
-            "are too small for their distance; expected a budget or a block");
+            "the error cannot be measured: no view shows anything of the data, whose parts are too "
+            "small for their distance; expected a budget or a block");
     return {std::sqrt(worst2), std::sqrt(error2 / norm2)};
 }
 

@@ -332,8 +332,8 @@ int key_number(const std::string& name) {
     for (int n = 1; n <= 12; ++n)
         if (name == fmt::format("f{}", n)) return GLFW_KEY_F1 + n - 1;
     throw Error(fmt::format(
-        "no key '{}', expected a letter, a digit, f1 to f12, space, tab, escape, enter, "
-        "home, left, right, up, down, pageup, pagedown, -, =, \",\", \".\", [ or ]",
+        "no key '{}', expected a letter, a digit, f1 to f12, space, tab, escape, enter, home, "
+        "left, right, up, down, pageup, pagedown, -, =, \",\", \".\", [ or ]",
         name));
 }
 

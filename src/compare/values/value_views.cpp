@@ -32,10 +32,9 @@ ValueViews::ValueViews(std::span<const Volume> volumes, std::span<const VoxelFie
     : field_(field.front().name), cameras_(views.cameras()) {
     const ValueRange range = value_range(volumes, field);
     if (!(range.upper > range.lower))
-        throw Error(
-            fmt::format("{}: field {}: all values are {:.6g}, expected several for pictures "
-                        "by value",
-                        volumes.front().source, printable(field_), range.lower));
+        throw Error(fmt::format(
+            "{}: field {}: all values are {:.6g}, expected several for pictures by value",
+            volumes.front().source, printable(field_), range.lower));
     functions_ = value_functions(range, views.radius());
     reference_ = render_volume_references(volumes, field, functions_, cameras_, kSize_px, kSize_px);
 }

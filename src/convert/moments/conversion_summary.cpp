@@ -35,8 +35,8 @@ std::string detail_text(const MomentReport& report) {
                         report.dropped_mass_share));
     if (report.measured_error >= 0)
         add(
-            fmt::format("measured error {:.4g} in the worst view, {:.4g} on average (relative "
-                        "L2 of T, {} views of {}x{})",
+            fmt::format("measured error {:.4g} in the worst view, {:.4g} on average (relative L2 "
+                        "of T, {} views of {}x{})",
                         report.measured_error, report.mean_error, error_views(Box{}).size(),
                         kErrorViewSize_px, kErrorViewSize_px));
     if (report.interpolation_error >= 0)

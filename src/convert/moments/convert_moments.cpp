@@ -157,12 +157,11 @@ void scale_densities(Gaussians& model, int exponent, const std::string& source) 
     for (std::size_t i = 0; i < model.size(); ++i) {
         const double density = std::ldexp(double{model.density[i]}, exponent);
         if (density > double{std::numeric_limits<float>::max()})
-            throw Error(
-                fmt::format("{}: the Gaussian at {:.6g} {:.6g} {:.6g} would have the density {:.2g}"
-                            ", expected at most {:.2g}, the largest 32-bit float: other units of "
-                            "values, or larger cells",
-                            source, model.mean[i].x, model.mean[i].y, model.mean[i].z, density,
-                            std::numeric_limits<float>::max()));
+            throw Error(fmt::format(
+                "{}: the Gaussian at {:.6g} {:.6g} {:.6g} would have the density {:.2g}, expected "
+                "at most {:.2g}, the largest 32-bit float: other units of values, or larger cells",
+                source, model.mean[i].x, model.mean[i].y, model.mean[i].z, density,
+                std::numeric_limits<float>::max()));
         model.density[i] = static_cast<float>(density);
     }
 }

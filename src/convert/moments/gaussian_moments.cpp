@@ -161,8 +161,7 @@ void check_density_range(const Gaussians& model, const std::string& source) {
     if (model.size() == 0 || (largest >= kSmallest && std::isfinite(largest))) return;
     throw Error(
         fmt::format("{}: {:.2g} world units across, which gives densities {} {:.2g}, expected "
-                    "within the range of "
-                    "32-bit floats: other units of length or of values",
+                    "within the range of 32-bit floats: other units of length or of values",
                     source, 2 * model.box.radius(), largest < kSmallest ? "below" : "above",
                     largest < kSmallest ? kSmallest : std::numeric_limits<float>::max()));
 }

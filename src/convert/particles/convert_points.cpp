@@ -68,10 +68,10 @@ void check(const PointOptions& options) {
 std::optional<Box> period_of(const Points& points, const PointOptions& options) {
     if (!options.periodic || !options.periodic->empty()) return options.periodic;
     if (points.box.empty())
-        throw Error(fmt::format(
-            "{}: the file states no periodic box, expected --periodic EDGE, --periodic X,Y,Z or "
-            "--periodic x0,y0,z0,x1,y1,z1",
-            name_of(points)));
+        throw Error(
+            fmt::format("{}: the file states no periodic box, expected --periodic EDGE, --periodic "
+                        "X,Y,Z or --periodic x0,y0,z0,x1,y1,z1",
+                        name_of(points)));
     return points.box;
 }
 
@@ -82,8 +82,8 @@ BigVector<float> masses(const Points& points, const std::string& name) {
     for (std::size_t n = 0; n < values.size(); ++n) {
         if (values[n] < 0)
             throw Error(
-                fmt::format("{}: '{}' of particle {} is {}, expected 0 or more "
-                            "(--clip-negative sets negative ones to 0)",
+                fmt::format("{}: '{}' of particle {} is {}, expected 0 or more (--clip-negative "
+                            "sets negative ones to 0)",
                             name_of(points), name, n, values[n]));
         any |= values[n] > 0;
         keep_memory_at(n);

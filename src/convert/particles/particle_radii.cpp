@@ -119,10 +119,10 @@ BigVector<double> smoothing_radii(const Points& points, const SmoothingRadius& s
     resize_kept(radius, values.size());
     for (std::size_t n = 0; n < values.size(); ++n) {
         if (!(values[n] > 0))
-            throw Error(fmt::format(
-                "{}: '{}' of particle {} is {}, expected a radius above 0 (--radius adaptive "
-                "measures the distances of neighbours instead)",
-                name_of(points), smoothing.name, n, values[n]));
+            throw Error(
+                fmt::format("{}: '{}' of particle {} is {}, expected a radius above 0 (--radius "
+                            "adaptive measures the distances of neighbours instead)",
+                            name_of(points), smoothing.name, n, values[n]));
         radius[n] = share * double{values[n]};
         keep_memory_at(n);
     }

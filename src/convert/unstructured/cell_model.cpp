@@ -92,11 +92,11 @@ void check_density(const Cells& cells, bool clip_negative) {
     for (std::size_t n = density.size(); n-- > 0;)
         if (density[n] < 0) ++negative, first = n;
     if (negative && !clip_negative)
-        throw Error(fmt::format(
-            "{}: '{}' has {} negative value{}, the first {} at {} {}, expected 0 or more "
-            "(negative ones can be clipped to 0)",
-            name_of(cells), cells.density.name, negative, negative == 1 ? "" : "s", density[first],
-            cells.density.at_points ? "point" : "cell", first));
+        throw Error(
+            fmt::format("{}: '{}' has {} negative value{}, the first {} at {} {}, expected 0 or "
+                        "more (negative ones can be clipped to 0)",
+                        name_of(cells), cells.density.name, negative, negative == 1 ? "" : "s",
+                        density[first], cells.density.at_points ? "point" : "cell", first));
 }
 
 /// A field of cells, as joint moments of Gaussian i, which is that of cell n.

@@ -74,15 +74,14 @@ void require_same(const std::vector<Field>& fields, const std::vector<Field>& ot
             const Field* same = find_named(*to, field.name);
             if (!same)
                 throw Error(
-                    fmt::format("field {}: one model has it and one has not, expected the "
-                                "same fields in models that are joined",
+                    fmt::format("field {}: one model has it and one has not, expected the same "
+                                "fields in models that are joined",
                                 in_quotes(field.name)));
             if constexpr (std::is_same_v<Field, ScalarField>) {
                 if (same->background != field.background)
-                    throw Error(
-                        fmt::format("field {}: backgrounds {} and {}, expected one in models that "
-                                    "are joined",
-                                    in_quotes(field.name), field.background, same->background));
+                    throw Error(fmt::format(
+                        "field {}: backgrounds {} and {}, expected one in models that are joined",
+                        in_quotes(field.name), field.background, same->background));
                 if (same->is_measure != field.is_measure)
                     throw Error(
                         fmt::format("field {}: the measure itself in one model and not in the "
@@ -266,8 +265,8 @@ void check_descriptions(const Fields& fields) {
             throw Error(
                 taken->second == field.name
                     ? fmt::format("two fields {}, expected one of each name", in_quotes(field.name))
-                    : fmt::format("fields {} and {} both have a property {} in files, "
-                                  "expected another name for one",
+                    : fmt::format("fields {} and {} both have a property {} in files, expected "
+                                  "another name for one",
                                   in_quotes(taken->second), in_quotes(field.name),
                                   in_quotes(column)));
         }

@@ -222,10 +222,10 @@ Arrangement arrangement_of(std::span<const VolumeOutline> outlines) {
     if (on_others == 0)
         return {parts, fmt::format("{} volumes are parts side by side: they do not overlap",
                                    volumes.size())};
-    return {Arrangement::Kind::levels,
-            fmt::format("{} volumes are {} levels of one mesh: the finest counts where they "
-                        "overlap",
-                        volumes.size(), level_count)};
+    return {
+        Arrangement::Kind::levels,
+        fmt::format("{} volumes are {} levels of one mesh: the finest counts where they overlap",
+                    volumes.size(), level_count)};
 }
 
 Arrangement arrangement_of(const Levels& levels) {

@@ -29,11 +29,10 @@ void keep_finite(Gaussians& model, const std::string& where, const SplatRules& r
     const std::size_t left_out = model.size() - kept.size();
     if (left_out == 0) return;
     if (!rules.values.skip_nonfinite)
-        throw Error(
-            fmt::format("{}: {} splats with a number that is not finite, or with a rotation of 0, "
-                        "the first is number {}, expected neither (--skip-nonfinite leaves such "
-                        "splats out)",
-                        where, left_out, first));
+        throw Error(fmt::format(
+            "{}: {} splats with a number that is not finite, or with a rotation of 0, the first is "
+            "number {}, expected neither (--skip-nonfinite leaves such splats out)",
+            where, left_out, first));
     if (kept.empty())
         throw Error(fmt::format("{}: no splat with finite numbers and a rotation", where));
     model = select(model, kept);

@@ -109,10 +109,9 @@ class Accessors {
             case float32:
                 return 4;
             default:
-                throw Error(
-                    fmt::format("{}: component type {}, expected floats or normalized "
-                                "integers of 8 or 16 bits",
-                                name, type));
+                throw Error(fmt::format(
+                    "{}: component type {}, expected floats or normalized integers of 8 or 16 bits",
+                    name, type));
         }
     }
     /// Whole numbers of a type as shares of its largest.

@@ -47,24 +47,10 @@ void write_ply_splats(std::ofstream& out, const Splats& splats, const std::strin
     write_rows(out, splats.size(), [&](std::size_t i) {
         const Vec3f m = splats.mean[i], s = splats.scale[i], dc = harmonics(splats.color[i]);
         const Quat q = splats.rotation[i];
-        const float o = splats.opacity[i];
-        return std::array<float, 17>{m.x,
-                                     m.y,
-                                     m.z,
-                                     0,
-                                     0,
-                                     0,
-                                     dc.x,
-                                     dc.y,
-                                     dc.z,
-                                     std::log(o / (1 - o)),
-                                     std::log(s.x),
-                                     std::log(s.y),
-                                     std::log(s.z),
-                                     q.w,
-                                     q.x,
-                                     q.y,
-                                     q.z};
+        const Vec3f size{std::log(s.x), std::log(s.y), std::log(s.z)};
+        const float logit = std::log(splats.opacity[i] / (1 - splats.opacity[i]));
+        return std::array<float, 17>{m.x,   m.y,    m.z,    0,      0,   0,   dc.x, dc.y, dc.z,
+                                     logit, size.x, size.y, size.z, q.w, q.x, q.y,  q.z};
     });
 }
 

@@ -57,10 +57,8 @@ void check_spz(const Splats& splats, const std::string& where) {
     float least = splats.scale.front().x;
     for (const Vec3f s : splats.scale) least = std::min({least, s.x, s.y, s.z});
     if (bits < 0)
-        throw Error(
-            fmt::format("{}: positions beyond 24 bits, 2^23: expected a smaller box "
-                        "(--units box)",
-                        where));
+        throw Error(fmt::format(
+            "{}: positions beyond 24 bits, 2^23: expected a smaller box (--units box)", where));
     // Scales have 8 bits, sixteenths of logarithms from -10 on.
     float largest = least;
     for (const Vec3f s : splats.scale) largest = std::max({largest, s.x, s.y, s.z});
@@ -75,11 +73,10 @@ void check_spz(const Splats& splats, const std::string& where) {
         throw Error(fmt::format("{}: {} splats, expected at most {}", where, splats.size(), kMost));
     // A step of positions of at most the smallest standard deviation.
     if (std::ldexp(1.0, -bits) > least)
-        throw Error(
-            fmt::format("{}: positions of 24 bits have steps of {:.3g}, the smallest standard "
-                        "deviation is {:.3g}: expected a smaller box "
-                        "(--units box) or larger Gaussians (--budget)",
-                        where, std::ldexp(1.0, -bits), least));
+        throw Error(fmt::format(
+            "{}: positions of 24 bits have steps of {:.3g}, the smallest standard deviation is "
+            "{:.3g}: expected a smaller box (--units box) or larger Gaussians (--budget)",
+            where, std::ldexp(1.0, -bits), least));
 }
 
 void write_spz(std::ofstream& out, const Splats& splats, const std::string& frame) {

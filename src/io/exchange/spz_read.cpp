@@ -200,8 +200,7 @@ Gaussians read_spz(const std::filesystem::path& file) {
     if (header.magic != kMagic) throw Error(fmt::format("{}: not an SPZ file", name));
     if (plain ? header.version != 4 : header.version != 2 && header.version != 3)
         throw Error(
-            fmt::format("{}: SPZ version {} {} gzip, expected version 2 or 3 in gzip, or 4 "
-                        "without",
+            fmt::format("{}: SPZ version {} {} gzip, expected version 2 or 3 in gzip, or 4 without",
                         name, header.version, plain ? "without" : "in"));
     if (plain) columns = std::make_unique<ZstdReader>(bytes, name);
     if (header.harmonics >= kHarmonics.size() || header.fraction_bits > 24)

@@ -70,11 +70,11 @@ void divide_where_varied(const FieldGrid& grid, const FieldSampler& sampler, Vol
         return sampler.tile(origin, edge).varies;
     });
     if (!division)
-        throw Error(fmt::format(
-            "{}: varies inside the tiles of {}: more than {} voxels or {} tiles to divide them "
-            "into, expected fewer tiles",
-            grid.where, measure_name(volume), count_text(kMaxDividedVoxels),
-            count_text(kMaxDividedTiles)));
+        throw Error(
+            fmt::format("{}: varies inside the tiles of {}: more than {} voxels or {} tiles to "
+                        "divide them into, expected fewer tiles",
+                        grid.where, measure_name(volume), count_text(kMaxDividedVoxels),
+                        count_text(kMaxDividedTiles)));
     apply_division(*division, volume, others);
 }
 
@@ -144,21 +144,21 @@ std::string text_of(const Box& box) {
 /// throws vog::Error for values that are not finite
 void check_samples(const SampleCensus& census, const FieldGrid& grid, const Volume& volume) {
     if (census.not_finite > 0)
-        throw Error(fmt::format(
-            "{}: not finite at {} voxels of {}, the first at index [{}, {}, {}], expected finite "
-            "values there",
-            grid.where, count_text(census.not_finite), measure_name(volume), census.first.x,
-            census.first.y, census.first.z));
+        throw Error(
+            fmt::format("{}: not finite at {} voxels of {}, the first at index [{}, {}, {}], "
+                        "expected finite values there",
+                        grid.where, count_text(census.not_finite), measure_name(volume),
+                        census.first.x, census.first.y, census.first.z));
 }
 
 /// throws vog::Error for a grid that covers nothing
 void check_covered(const SampleCensus& census, const FieldGrid& grid, const Volume& volume) {
     if (census.covered == 0)
-        throw Error(fmt::format(
-            "{}: active at no voxel of {}: {} of the world, which lies in {}; expected grids that "
-            "overlap",
-            grid.where, measure_name(volume), text_of(world_box_of(grid)),
-            text_of(world_box(volume))));
+        throw Error(
+            fmt::format("{}: active at no voxel of {}: {} of the world, which lies in {}; expected "
+                        "grids that overlap",
+                        grid.where, measure_name(volume), text_of(world_box_of(grid)),
+                        text_of(world_box(volume))));
 }
 
 }  // namespace

@@ -26,10 +26,9 @@ void check(const FieldBlock& block, const std::string& where) {
     for (int axis = 0; axis < 3; ++axis) {
         const std::int64_t first = block.first[axis], last = first + block.size[axis] - 1;
         if (block.size[axis] < 1 || first < -kMostIndex || last > kMostIndex)
-            throw Error(
-                fmt::format("{}: voxels {} to {} along axis {}, expected at least one, within "
-                            "+-2^30",
-                            where, first, last, axis));
+            throw Error(fmt::format(
+                "{}: voxels {} to {} along axis {}, expected at least one, within +-2^30", where,
+                first, last, axis));
     }
 }
 

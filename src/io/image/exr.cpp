@@ -109,10 +109,9 @@ void require_valid_header(const std::filesystem::path& file) {
             throw Error(fmt::format("{}: not a whole EXR image: attribute {} goes beyond the end",
                                     name, printable(attribute, 100)));
         if (!fits_type(stream, type, size))
-            throw Error(
-                fmt::format("{}: not a whole EXR image: attribute {} of type '{}' cannot "
-                            "have {} bytes",
-                            name, printable(attribute, 100), printable(type, 40), size));
+            throw Error(fmt::format(
+                "{}: not a whole EXR image: attribute {} of type '{}' cannot have {} bytes", name,
+                printable(attribute, 100), printable(type, 40), size));
         stream.clear();
         stream.seekg(value + size);
     }
@@ -150,8 +149,8 @@ struct ExrFile {
                 fmt::format("{}: part of type '{}', expected a flat image", name, header().type()));
         if (header().dataWindow() != header().displayWindow())
             throw Error(
-                fmt::format("{}: data window and display window differ, expected a "
-                            "picture that is neither cropped nor larger than shown",
+                fmt::format("{}: data window and display window differ, expected a picture that is "
+                            "neither cropped nor larger than shown",
                             name));
         require_valid_size(name, width(), height());
         if (!parts.partComplete(0))

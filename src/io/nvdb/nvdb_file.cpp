@@ -117,8 +117,8 @@ void NvdbFile::read_segment() {
     const auto version = file_.number<std::uint32_t>();
     if (!is_supported(version))
         throw Error(
-            fmt::format("{}: NanoVDB file version {}, expected {}.x (write it again with "
-                        "NanoVDB {}, or convert the .vdb)",
+            fmt::format("{}: NanoVDB file version {}, expected {}.x (write it again with NanoVDB "
+                        "{}, or convert the .vdb)",
                         name_, version_text(version), NANOVDB_MAJOR_VERSION_NUMBER,
                         NANOVDB_MAJOR_VERSION_NUMBER));
     const auto count = file_.number<std::uint16_t>();

@@ -58,10 +58,9 @@ class FieldLine {
         return plain;
     }
     [[noreturn]] void refuse() const {
-        fail(file_,
-             fmt::format("comment '{}': expected 'field', 'scalar', 'measure' or 'vector', a name, "
-                         "its range as two numbers, and its unit or nothing",
-                         printable(text_, 200)));
+        fail(file_, fmt::format("comment '{}': expected 'field', 'scalar', 'measure' or 'vector', "
+                                "a name, its range as two numbers, and its unit or nothing",
+                                printable(text_, 200)));
     }
 
   private:

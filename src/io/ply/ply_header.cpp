@@ -222,10 +222,9 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
              "a mesh of triangles, expected splats: vog render VOLUME --show volume --layer "
              "MESH.ply draws it in a volume");
     if (has("x") && has("y") && has("z") && !has("scale_0"))
-        fail(file,
-             fmt::format("points without scales (it has: {}), expected splats; particles are read "
-                         "as text (.csv, .xyz), .hdf5 or .vdb",
-                         all));
+        fail(file, fmt::format("points without scales (it has: {}), expected splats; particles are "
+                               "read as text (.csv, .xyz), .hdf5 or .vdb",
+                               all));
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
         if (!has(name)) fail(file, fmt::format("no property '{}' (it has: {})", name, all));
     const int rotations = has("rot_0") + has("rot_1") + has("rot_2") + has("rot_3");
@@ -236,10 +235,9 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
     // The weight property identifies the layout.
     const bool sigmat = has("sigmat") || has("sigmat_0");
     if (has("density") + has("opacity") + sigmat != 1)
-        fail(file,
-             fmt::format("properties '{}' are none of the layouts vog (density), 3DGS (opacity) "
-                         "or volprim (sigmat)",
-                         all));
+        fail(file, fmt::format("properties '{}' are none of the layouts vog (density), 3DGS "
+                               "(opacity) or volprim (sigmat)",
+                               all));
     const Layout layout = has("density")   ? Layout::vog
                           : has("opacity") ? Layout::splatting
                                            : Layout::volprim;
@@ -263,8 +261,8 @@ void refuse_unknown(const std::filesystem::path& file, const Header& header, Lay
     }
     for (std::size_t n = 0; n < header.elements.size(); ++n)
         if (n != header.vertex && (n != header.vertex + 1 || header.elements[n].name != "node"))
-            fail(file, fmt::format("element '{}', expected the one element 'vertex', and after "
-                                   "it none or the one element 'node'",
+            fail(file, fmt::format("element '{}', expected the one element 'vertex', and after it "
+                                   "none or the one element 'node'",
                                    header.elements[n].name));
 }
 
@@ -301,9 +299,9 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
         model.box = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (!(b[axis] <= b[axis + 3]) || !std::isfinite(b[axis + 3] - b[axis]))
-                fail(file, fmt::format("comment 'box {}': expected finite lower corners, then "
-                                       "upper ones",
-                                       value));
+                fail(file,
+                     fmt::format("comment 'box {}': expected finite lower corners, then upper ones",
+                                 value));
     }
     if (comment(header, "voxels", value)) {
         const auto b = numbers(file, "voxels", value, 6);

@@ -27,8 +27,8 @@ void write_model_index(const std::filesystem::path& file, std::span<const std::s
     for (const std::string& name : models)
         if (printable(name) != name)
             throw Error(
-                fmt::format("{}: cannot write: an index holds names in UTF-8 without "
-                            "control characters, got '{}'",
+                fmt::format("{}: cannot write: an index holds names in UTF-8 without control "
+                            "characters, got '{}'",
                             file.string(), name));
     const nlohmann::json json = {{kKey, std::vector<std::string>(models.begin(), models.end())}};
     write_file(file, [&](std::ofstream& out) { out << json.dump(2) << '\n'; });

@@ -42,8 +42,8 @@ std::vector<std::size_t> named_three(const Names& names,
             if (found.size() < 3) continue;
             if (repeated.empty()) return found;
             throw Error(
-                fmt::format("two columns called '{}', expected one, or the numbers of "
-                            "three columns (--columns)",
+                fmt::format("two columns called '{}', expected one, or the numbers of three "
+                            "columns (--columns)",
                             repeated));
         }
     return {};

@@ -78,8 +78,8 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
     }
     if (!head.misfit.empty())
         throw Error(
-            fmt::format("{} above lines of {} columns, expected one name each, or "
-                        "the numbers of three columns (--columns)",
+            fmt::format("{} above lines of {} columns, expected one name each, or the numbers of "
+                        "three columns (--columns)",
                         head.misfit, head.columns()));
     if (!head.names.empty()) {
         columns = position_columns(head.names);
@@ -91,8 +91,8 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
         columns.insert(columns.end(), velocity.begin(), velocity.end());
         if (head.counted)
             note = fmt::format(
-                "columns numbered from 0, without names: {}, {}, {} are x, y, z "
-                "(--columns names others)",
+                "columns numbered from 0, without names: {}, {}, {} are x, y, z (--columns names "
+                "others)",
                 columns[0] + 1, columns[1] + 1, columns[2] + 1);
         return columns;
     }

@@ -59,9 +59,8 @@ std::uint64_t keep_finite(Points& points, bool skip) {
     if (skipped == 0) return 0;
     if (!skip)
         throw Error(
-            fmt::format("{}: {} particles with a number that is not finite, the first is "
-                        "number {}, expected finite numbers (--skip-nonfinite leaves such "
-                        "particles out)",
+            fmt::format("{}: {} particles with a number that is not finite, the first is number "
+                        "{}, expected finite numbers (--skip-nonfinite leaves such particles out)",
                         points.source, skipped, first));
     if (kept == 0) throw Error(fmt::format("{}: no particle with finite numbers", points.source));
     points.position.resize(kept);

@@ -144,8 +144,8 @@ class Snapshot {
         if (const std::string& meant = requested.empty() ? groups_.front() : requested;
             std::ranges::count(unplaced_, meant))
             throw Error(
-                fmt::format("{}: {} has arrays, but no Coordinates of 3 numbers each; "
-                            "expected them, or another type by --grid (it has: {})",
+                fmt::format("{}: {} has arrays, but no Coordinates of 3 numbers each; expected "
+                            "them, or another type by --grid (it has: {})",
                             name_, meant, fmt::join(types_.name, ", ")));
         if (requested.empty()) return open(types_.name[likely_type(name_, types_, refuse).index]);
         if (std::ranges::count(types_.name, requested)) return open(requested);
@@ -336,10 +336,10 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
         snapshot.fail(fmt::format("{} particles in '{}'", place->rows, snapshot.group_name()));
     if (const auto rows = snapshot.stated("NumPart_ThisFile");
         rows && *rows != static_cast<double>(place->rows))
-        throw Error(fmt::format(
-            "{}: {} rows of {}/Coordinates, but Header/NumPart_ThisFile states {} particles, "
-            "expected equal numbers",
-            file.string(), place->rows, snapshot.group_name(), *rows));
+        throw Error(
+            fmt::format("{}: {} rows of {}/Coordinates, but Header/NumPart_ThisFile states {} "
+                        "particles, expected equal numbers",
+                        file.string(), place->rows, snapshot.group_name(), *rows));
     Points points;
     points.source = printable(file.string());
     const std::vector<double> edges = snapshot.header("BoxSize");

@@ -101,8 +101,8 @@ class LineFile {
         if (text.starts_with("\x1f\x8b") ||
             std::ranges::count(text.substr(0, kBegin), '\0') > std::ptrdiff_t{kMostZeros})
             throw Error(
-                fmt::format("{}: no text, or text in UTF-16; expected UTF-8 or ASCII "
-                            "(packed text ends in .gz, a snapshot in .hdf5)",
+                fmt::format("{}: no text, or text in UTF-16; expected UTF-8 or ASCII (packed text "
+                            "ends in .gz, a snapshot in .hdf5)",
                             name_));
         if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
         return text;
@@ -255,8 +255,8 @@ std::string ChunkReader::fault(std::string_view line) const {
             return fmt::format("got '{}' in column {}, expected a number", text, column + 1);
         if (!fits(role, value))
             return fmt::format(
-                "got '{}' in column {}, expected a finite number (--skip-nonfinite "
-                "leaves such particles out)",
+                "got '{}' in column {}, expected a finite number (--skip-nonfinite leaves such "
+                "particles out)",
                 text, column + 1);
     }
     return "malformed";

@@ -100,8 +100,7 @@ void require_names(const std::filesystem::path& file, std::span<const Column> co
         (reads_back(file, columns.first(middle), vectors, separator) ? valid : faulty) = middle;
     }
     throw Error(fmt::format(
-        "{}: cannot write: attribute name '{}', expected no name of another column and "
-        "no {}",
+        "{}: cannot write: attribute name '{}', expected no name of another column and no {}",
         file.string(), printable(columns[valid].name), separator ? "quotes" : "blanks"));
 }
 

@@ -84,8 +84,8 @@ Number type_of(const MetaHead& head) {
     const auto at = kTypes.find(name);
     if (at == kTypes.end())
         head.fail(
-            fmt::format("ElementType '{}', expected MET_CHAR, MET_UCHAR, MET_SHORT, ... "
-                        "MET_FLOAT or MET_DOUBLE",
+            fmt::format("ElementType '{}', expected MET_CHAR, MET_UCHAR, MET_SHORT, ... MET_FLOAT "
+                        "or MET_DOUBLE",
                         printable(name, 40)));
     return at->second;
 }
@@ -211,9 +211,10 @@ ScanFile open_metaimage(const std::filesystem::path& file) {
     // ITK's world is LPS. ITK writes AnatomicalOrientation into every file, "????" where it has no name for the axes.
     const bool anatomical = head.fields.contains("anatomicalorientation");
     grid.world_from_index = to_ras(map_of(head, dimension), anatomical, anatomical);
-    grid.coordinates = anatomical ? "RAS (right, anterior, superior), from ITK's LPS"
-                                  : "those of the file, which has no AnatomicalOrientation (ITK "
-                                    "reads them as LPS)";
+    grid.coordinates =
+        anatomical
+            ? "RAS (right, anterior, superior), from ITK's LPS"
+            : "those of the file, which has no AnatomicalOrientation (ITK reads them as LPS)";
     if (anatomical) grid.standing = kPatient;
     const std::string unit = lower_case(head.text({"distanceunits"}));
     if (!unit.empty() && unit != "?") set_units(file, {unit}, grid);

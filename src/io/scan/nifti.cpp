@@ -180,10 +180,9 @@ void set_map(const std::filesystem::path& file, const NiftiHead& head, ScanGrid&
     const double det = determinant(sform.linear);
     const bool singular = head.sform > 0 && (det == 0 || !std::isfinite(det));
     if (singular && head.qform <= 0)
-        throw Error(
-            fmt::format("{}: an sform that is singular and no qform, expected one of them to "
-                        "place the voxels",
-                        file.string()));
+        throw Error(fmt::format(
+            "{}: an sform that is singular and no qform, expected one of them to place the voxels",
+            file.string()));
     if (singular) add_note(notes, "its sform is singular, the qform places its voxels");
     if (head.sform > 0 && !singular) {
         grid.world_from_index = sform;

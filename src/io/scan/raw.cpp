@@ -29,8 +29,8 @@ std::filesystem::path head_of(const std::filesystem::path& file) {
     for (const std::filesystem::path& head : {longer, other})
         if (std::filesystem::exists(head, code)) return head;
     throw Error(
-        fmt::format("{}: raw values without a head, expected {} beside it: "
-                    "{{\"size\": [x, y, z], \"type\": \"uint16\", \"spacing\": [1, 1, 1]}}",
+        fmt::format("{}: raw values without a head, expected {} beside it: {{\"size\": [x, y, z], "
+                    "\"type\": \"uint16\", \"spacing\": [1, 1, 1]}}",
                     file.string(), longer.filename().string()));
 }
 
@@ -88,11 +88,10 @@ RawHead read_raw_head(const std::filesystem::path& file) {
               "slope", "intercept", "skip", "frames", "channels", "name"})
             known |= key == name;
         if (!known)
-            head.fail(
-                fmt::format("unknown key '{}', expected size, type, endian, spacing, origin, "
-                            "matrix, unit, value_unit, slope, intercept, skip, frames, channels "
-                            "or name",
-                            printable(key, 40)));
+            head.fail(fmt::format(
+                "unknown key '{}', expected size, type, endian, spacing, origin, matrix, unit, "
+                "value_unit, slope, intercept, skip, frames, channels or name",
+                printable(key, 40)));
     }
     return head;
 }
@@ -127,10 +126,9 @@ ScanFile open_raw(const std::filesystem::path& file) {
     const auto endian = head.at<std::string>("endian", "little");
     const std::optional<Number> number = number_named(type);
     if (!number)
-        head.fail(
-            fmt::format("type '{}', expected int8, uint8, ... int64, uint64, float16, "
-                        "float32 or float64",
-                        printable(type, 40)));
+        head.fail(fmt::format(
+            "type '{}', expected int8, uint8, ... int64, uint64, float16, float32 or float64",
+            printable(type, 40)));
     if (endian != "little" && endian != "big")
         head.fail(fmt::format("endian '{}', expected little or big", printable(endian, 40)));
     StoredArray array;
@@ -145,8 +143,8 @@ ScanFile open_raw(const std::filesystem::path& file) {
     if (skip < 0 || frames < 1 || channels < 1 || frames > kMostGrids || channels > kMostGrids ||
         (frames > 1 && channels > 1))
         head.fail(
-            fmt::format("skip {}, frames {}, channels {}, expected skip from 0 on, and "
-                        "several frames or several channels",
+            fmt::format("skip {}, frames {}, channels {}, expected skip from 0 on, and several "
+                        "frames or several channels",
                         skip, frames, channels));
     array.parts = {{file, static_cast<std::uint64_t>(skip), 0}};
     array.grids = static_cast<std::uint64_t>(std::max(frames, channels));
@@ -155,8 +153,7 @@ ScanFile open_raw(const std::filesystem::path& file) {
         array.parts[0].begin + array.voxels * array.grids * bytes_of(array.type);
     if (const std::uint64_t bytes = std::filesystem::file_size(file); bytes != expected)
         throw Error(fmt::format(
-            "{}: {} bytes, expected {} for {} x {} x {} x {} values of {} behind "
-            "{} bytes",
+            "{}: {} bytes, expected {} for {} x {} x {} x {} values of {} behind {} bytes",
             file.string(), bytes, expected, size[0], size[1], size[2], array.grids, type, skip));
     ScanGrid grid;
     grid.size = {static_cast<std::int32_t>(size[0]), static_cast<std::int32_t>(size[1]),

@@ -113,8 +113,8 @@ class TextNumbers {
         while (!next_word().empty()) ++count;
         if (count > expected)
             throw Error(
-                fmt::format("{}: {} values as text, expected {} (commas lie between "
-                            "values, decimals have a point)",
+                fmt::format("{}: {} values as text, expected {} (commas lie between values, "
+                            "decimals have a point)",
                             name_, count, expected));
     }
 
@@ -284,8 +284,8 @@ class ArrayReader {
 void Singles::check(const std::string& file, const std::string& scale) const {
     if (float_unit(largest_) == 1) return;
     throw Error(
-        fmt::format("{}: values up to {:.6g}, expected ones within single precision, 1.2e-38 "
-                    "to 3.4e+38: write them in another unit{}{}",
+        fmt::format("{}: values up to {:.6g}, expected ones within single precision, 1.2e-38 to "
+                    "3.4e+38: write them in another unit{}{}",
                     file, largest_, scale.empty() ? "" : fmt::format(", or change {}", scale),
                     largest_ > 1 ? ", and NaN for no data" : ""));
 }
@@ -312,8 +312,8 @@ void place_at_end(StoredArray& array, std::uint64_t behind) {
     for (StoredPart& part : array.parts) {
         if (array.encoding == Encoding::text)
             throw Error(
-                fmt::format("{}: values as text at the end of the file, expected a number of "
-                            "bytes or lines before them",
+                fmt::format("{}: values as text at the end of the file, expected a number of bytes "
+                            "or lines before them",
                             part.file.string()));
         const bool deflated = array.encoding == Encoding::deflate;
         ScanBytes stream(part.file, part.begin, deflated);

@@ -138,8 +138,8 @@ void note_rounded(const ScanGrid& grid, const BigVector<float>& value, std::stri
         return;
     if (std::ranges::none_of(value, [](float v) { return std::abs(v) > kMost; })) return;
     note += fmt::format(
-        "{}whole numbers beyond {} are rounded to single precision, and labels "
-        "that large may be one",
+        "{}whole numbers beyond {} are rounded to single precision, and labels that large may be "
+        "one",
         note.empty() ? "" : "; ", kMost);
 }
 

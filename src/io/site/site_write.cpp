@@ -51,10 +51,10 @@ void require_own(const fs::path& folder) {
                 fmt::format("{}; expected a new folder, or one that vog page wrote", error.what()));
         }
     } else if (fs::exists(folder / "index.html", code)) {
-        throw Error(fmt::format(
-            "{}: has an index.html and no manifest of a site, expected a new folder, or one that "
-            "vog page wrote",
-            folder.string()));
+        throw Error(
+            fmt::format("{}: has an index.html and no manifest of a site, expected a new folder, "
+                        "or one that vog page wrote",
+                        folder.string()));
     }
 }
 

@@ -34,8 +34,8 @@ void require_floats(const std::filesystem::path& file, const Surface& surface) {
     const double step = largest * 0x1p-23;
     if (step > 0.01 * mean)
         throw Error(
-            fmt::format("{}: points lie {:.2g} from 0, where 32-bit floats are {:.2g} "
-                        "apart; .obj keeps their digits",
+            fmt::format("{}: points lie {:.2g} from 0, where 32-bit floats are {:.2g} apart; .obj "
+                        "keeps their digits",
                         file.string(), largest, step));
 }
 

@@ -97,8 +97,8 @@ void vdb::check_census(const Census& census, const ValueRules& rules, const std:
                        ValueNotes& notes) {
     const auto refuse = [&](const Census::Count& count, const char* what, const char* expected) {
         throw Error(fmt::format(
-            "{}: {} active values are {}, the first at index [{}, {}, {}], "
-            "expected finite densities >= 0 ({})",
+            "{}: {} active values are {}, the first at index [{}, {}, {}], expected finite "
+            "densities >= 0 ({})",
             where, count.values, what, count.index.x, count.index.y, count.index.z, expected));
     };
     if (census.not_finite.values && !rules.skip_nonfinite)
@@ -201,10 +201,9 @@ void vdb::level_set_to_fog(openvdb::GridBase& grid, const std::string& where) {
 Volume volume_from_grid(const openvdb::FloatGrid& grid) {
     const std::string where = fmt::format("grid '{}'", grid.getName());
     if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
-        throw Error(
-            fmt::format("{}: a level set, expected a fog volume "
-                        "(openvdb::tools::sdfToFogVolume converts it)",
-                        where));
+        throw Error(fmt::format(
+            "{}: a level set, expected a fog volume (openvdb::tools::sdfToFogVolume converts it)",
+            where));
     std::ostringstream transform;
     grid.transform().write(transform);
     const std::string bytes = transform.str();

@@ -298,8 +298,8 @@ VogzReport write_vogz(const std::filesystem::path& file, const Gaussians& gaussi
     validate(hierarchy, gaussians, file.string());
     if (!in_one_order(hierarchy))
         throw Error(
-            fmt::format("{}: a hierarchy joined from several, expected one built of the "
-                        "whole model (build_hierarchy)",
+            fmt::format("{}: a hierarchy joined from several, expected one built of the whole "
+                        "model (build_hierarchy)",
                         file.string()));
     const Coding coding = coded(gaussians, hierarchy, options);
     const std::string header = header_bytes(coding.table);

@@ -20,8 +20,8 @@ void require_cuda() {
     check_cuda(cudaDriverGetVersion(&driver), "asking for the driver");
     if (driver == 0)
         throw Error(
-            "cuda: no NVIDIA driver (libcuda.so.1 cannot be loaded), expected a GPU "
-            "and its driver");
+            "cuda: no NVIDIA driver (libcuda.so.1 cannot be loaded), expected a GPU and its "
+            "driver");
     check_cuda(cudaRuntimeGetVersion(&runtime), "asking for the runtime");
     const cudaError_t counted = cudaGetDeviceCount(&devices);
     if (counted == cudaErrorInsufficientDriver) {

@@ -34,8 +34,8 @@ void require_finite(const Sums& sums, Show show, const Scene& scene) {
     if (found == sums.column.end()) return;
     const auto pixel = found - sums.column.begin();
     throw Error(fmt::format(
-        "{}optical depth {} at pixel ({}, {}), expected at most {:.2g}, the "
-        "largest 32-bit float: other units of values or of length",
+        "{}optical depth {} at pixel ({}, {}), expected at most {:.2g}, the largest 32-bit float: "
+        "other units of values or of length",
         name, *found, pixel % sums.width, pixel / sums.width, std::numeric_limits<float>::max()));
 }
 

@@ -73,10 +73,10 @@ std::string unit_of(const Fields& fields, const std::string& field) {
 double factor_between(const std::string& stated, const std::string& requested) {
     if (stated.empty() || requested.empty()) return 1;
     if (const std::optional<double> factor = unit_factor(stated, requested)) return *factor;
-    throw RequestError("units",
-                       fmt::format(" {}: the data are in {}, expected a unit that it converts to, "
-                                   "or none",
-                                   requested, stated));
+    throw RequestError(
+        "units",
+        fmt::format(" {}: the data are in {}, expected a unit that it converts to, or none",
+                    requested, stated));
 }
 
 /// Name and background of the density on a slice.
@@ -173,10 +173,9 @@ void require_layer_effects(const Layer& layer, bool is_surface) {
     if (!is_surface && layer.color)
         throw RequestError("layers", ": only a surface has a color; use tf or band");
     if (!is_surface && layer.opacity && !layer.plane)
-        throw RequestError(
-            "layers",
-            ": only planes and surfaces have an opacity; use unit_distance, the length that "
-            "opacities refer to");
+        throw RequestError("layers",
+                           ": only planes and surfaces have an opacity; use unit_distance, the "
+                           "length that opacities refer to");
 }
 
 /// Each layer as a picture of its own, and the request that states them.

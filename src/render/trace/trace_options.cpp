@@ -22,8 +22,7 @@ void check_trace_options(const TraceOptions& options) {
     if (options.stop_transmittance > 0 && options.anyhit != AnyHit::collect)
         throw Error(
             "trace: a stop transmittance with any-hit accumulate, expected collect: rays end in "
-            "the "
-            "order of hits");
+            "the order of hits");
     if (!(options.extinction > 0 && std::isfinite(options.extinction)))
         throw Error(
             fmt::format("trace: extinction {}, expected a finite number > 0", options.extinction));

@@ -55,10 +55,9 @@ bool drawn(const std::vector<Prim>& prims, std::size_t index) {
     for (auto at = static_cast<std::ptrdiff_t>(index); at >= 0;) {
         const Prim& prim = prims[static_cast<std::size_t>(at)];
         if (prim.moved)
-            throw Error(
-                fmt::format("{} is moved by xformOpOrder, expected splats in the "
-                            "coordinates of the world",
-                            path_of(prims, static_cast<std::size_t>(at))));
+            throw Error(fmt::format(
+                "{} is moved by xformOpOrder, expected splats in the coordinates of the world",
+                path_of(prims, static_cast<std::size_t>(at))));
         at = prim.parent;
     }
     return true;
@@ -116,8 +115,8 @@ Gaussians read_usd(const std::filesystem::path& file) {
         }
     if (model.size() == 0)
         throw Error(
-            fmt::format("{}: no splats, expected a prim {} in this file; usdcat --flatten "
-                        "follows references, payloads and variants",
+            fmt::format("{}: no splats, expected a prim {} in this file; usdcat --flatten follows "
+                        "references, payloads and variants",
                         file.string(), usd::kSplatType));
     return model;
 }

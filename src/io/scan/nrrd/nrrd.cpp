@@ -105,8 +105,8 @@ NrrdAxes axes_of(const NrrdHead& head, std::size_t dimension, const NrrdVectors&
     }
     if (axes.space.size() < 2 || axes.space.size() > 3 || others.size() > 1)
         head.fail(
-            fmt::format("{} axes in space and {} others, expected 2 or 3 in space and at most "
-                        "one other (frames or channels)",
+            fmt::format("{} axes in space and {} others, expected 2 or 3 in space and at most one "
+                        "other (frames or channels)",
                         axes.space.size(), others.size()));
     if (others.empty()) return axes;
     axes.other = others.front();
@@ -163,8 +163,8 @@ NrrdSpan span_of(const NrrdHead& head, std::size_t axis, std::int64_t voxels,
     const double between = node ? nodes : cells;
     if (std::isfinite(spacing + between) && !is_spacing(between))
         head.fail(
-            fmt::format("axis {} from {} to {}, which is a spacing of {}, but its spacing is "
-                        "{}, expected one of them",
+            fmt::format("axis {} from {} to {}, which is a spacing of {}, but its spacing is {}, "
+                        "expected one of them",
                         axis, least, most, between, spacing));
     if (std::isfinite(spacing))
         span.edge = spacing;
@@ -390,8 +390,8 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
     // So ITK writes images of four axes, without the name of its space.
     if (head.text("space dimension") == "4" && head.text("space").empty())
         scan.note =
-            "places are as the file has them, without a space; if ITK wrote it, its x runs to "
-            "the left and its y to the back";
+            "places are as the file has them, without a space; if ITK wrote it, its x runs to the "
+            "left and its y to the back";
     scan.read = reader_of(array);
     scan.grids = named_copies(grid, nrrd_names(head, dimension, axes, array.grids));
     return scan;

@@ -180,8 +180,8 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
     if (const auto packing = tiff.tag<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
         !TIFFIsCODECConfigured(packing))
         throw Error(
-            fmt::format("{}: compression {}, which this build's libtiff does not read, "
-                        "expected none, Deflate or LZW",
+            fmt::format("{}: compression {}, which this build's libtiff does not read, expected "
+                        "none, Deflate or LZW",
                         tiff.name, packing));
     const std::size_t pixel = (form.planar ? 1 : form.samples) * bytes_of(form.type);
     const auto which = static_cast<std::uint16_t>(form.planar ? sample : 0);

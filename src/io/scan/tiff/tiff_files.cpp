@@ -109,11 +109,11 @@ void check_counts(const std::filesystem::path& where,
         std::ranges::max_element(files, {}, [&](const auto& file) { return equals[count(file)]; });
     for (const auto& file : files)
         if (count(file) != count(*most))
-            throw Error(fmt::format(
-                "{}: {} has {} numbers in its name, expected {} as in {}: move it, or give a "
-                "pattern of slices",
-                where.string(), printable(file.filename().string()), count(file), count(*most),
-                printable(most->filename().string())));
+            throw Error(
+                fmt::format("{}: {} has {} numbers in its name, expected {} as in {}: move it, or "
+                            "give a pattern of slices",
+                            where.string(), printable(file.filename().string()), count(file),
+                            count(*most), printable(most->filename().string())));
 }
 
 /// Sorts slices by the first number of their names that steps evenly from slice to slice.
@@ -135,11 +135,10 @@ void order_series(const std::filesystem::path& where, std::vector<std::filesyste
         }
     if (!best || best->count == 1) return;
     if (const std::size_t n = best->first_gap(); best->distinct())
-        throw Error(
-            fmt::format("{}: slice {} is missing between {} and {}, expected numbers that "
-                        "step evenly",
-                        where.string(), best->slices[n - 1].first + best->step, best->name(n - 1),
-                        best->name(n)));
+        throw Error(fmt::format(
+            "{}: slice {} is missing between {} and {}, expected numbers that step evenly",
+            where.string(), best->slices[n - 1].first + best->step, best->name(n - 1),
+            best->name(n)));
     std::size_t n = 1;
     while (best->gap(n) > 0) ++n;
     throw Error(

@@ -201,9 +201,9 @@ void set_ome(const TiffTags& tags, TiffStack& stack) {
     if (stack.planes() > 1 && (!order.starts_with("XY") || order.size() != 5 ||
                                order.find_first_not_of("CZT", 2) != std::string::npos))
         fail(tags,
-             fmt::format("OME's DimensionOrder '{}', expected XYCZT, XYZCT or another order of "
-                         "C, Z and T",
-                         printable(order, 20)));
+             fmt::format(
+                 "OME's DimensionOrder '{}', expected XYCZT, XYZCT or another order of C, Z and T",
+                 printable(order, 20)));
     if (order.size() == 5) stack.order = order.substr(2);
     constexpr std::uint64_t kMostPlanes = 1 << 20;
     if (stack.planes() == 0 || stack.planes() > kMostPlanes)

@@ -47,8 +47,8 @@ void VdbFile::read_header() {
     file_.take(2 * sizeof(std::uint32_t));  // version of the library that wrote it
     if (file_.number<char>() == 0)
         throw Error(
-            fmt::format("{}: written as a stream, without the positions of its grids; "
-                        "expected a file as openvdb::io::File writes it",
+            fmt::format("{}: written as a stream, without the positions of its grids; expected a "
+                        "file as openvdb::io::File writes it",
                         name_));
     file_.take(kUuidBytes);
     standing_ = read_vdb_metadata(file_).standing;

@@ -148,9 +148,10 @@ void require_whole_labels(const PictureRequest& request) {
     if (!shading::is_label_table(points)) return;
     const bool of_map = request.show == Show::slice || request.show == Show::maximum;
     const auto refuse = [&](const char* key, const char* expected) {
-        throw RequestError(key, fmt::format(": {} is a table of labels, whose averages are other "
-                                            "labels; expected {}",
-                                            points.points.name, expected));
+        throw RequestError(
+            key,
+            fmt::format(": {} is a table of labels, whose averages are other labels; expected {}",
+                        points.points.name, expected));
     };
     if (request.options.voxels.interpolation == Interpolation::linear)
         refuse("interpolation", "nearest");
@@ -165,10 +166,9 @@ std::optional<ColorScale> stated_scale(const PictureRequest& request) {
         std::tie(request.show, request.transfer.points, request.transfer.range);
     const bool of_values = show == Show::mean || show == Show::slice || is_by_value(show);
     if (!of_values && shading::is_label_table(points))
-        throw RequestError("tf",
-                           fmt::format(": {} is a table of labels; `show` {} shows none, expected "
-                                       "`show` slice, volume, mean or maximum",
-                                       points.points.name, word_of(show)));
+        throw RequestError("tf", fmt::format(": {} is a table of labels; `show` {} shows none, "
+                                             "expected `show` slice, volume, mean or maximum",
+                                             points.points.name, word_of(show)));
     require_whole_labels(request);
     if (of_values && points.at_values) {
         if (range || request.fit != ScaleFit::automatic)

@@ -16,8 +16,7 @@ constexpr const char* kKeys[] = {"field",         "tf",    "range",     "scale",
 /// Those of a command line.
 constexpr const char* kWords =
     "a file first, then grid, field, tf, range, scale, window, band, iso, threshold, "
-    "gradient-opacity, unit-distance, plane, color or opacity, "
-    "each with = and a value";
+    "gradient-opacity, unit-distance, plane, color or opacity, each with = and a value";
 
 bool is_key(const std::string& key) { return std::ranges::count(kKeys, key) > 0; }
 
