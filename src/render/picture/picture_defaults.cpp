@@ -17,8 +17,9 @@ namespace vog {
 
 namespace {
 
-/// The part that a clip leaves; all of it where nothing stays.
+/// The part that a clip leaves; all of it where nothing stays, or a point.
 Subject clipped(Subject subject, const Clipping& clip) {
+    constexpr double kLeast = 1e-9;  // radius of the part, as a share of that of the box
     std::vector<Vec3d> hull = subject.content.hull;
     const auto cut = [&](Vec3d normal, double offset) {
         const auto above = [&](Vec3d p) { return dot(p, normal) - offset; };
@@ -43,7 +44,10 @@ Subject clipped(Subject subject, const Clipping& clip) {
         along[axis] = 1;
         cut(along, clip.box->lower[axis]), cut(-along, -clip.box->upper[axis]);
     }
-    if (!hull.empty()) subject.content.hull = std::move(hull);
+    Box left;
+    for (const Vec3d& p : hull) left.include(p);
+    if (!left.empty() && left.radius() > kLeast * subject.box.radius())
+        subject.content.hull = std::move(hull);
     return subject;
 }
 

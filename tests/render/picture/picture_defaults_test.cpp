@@ -216,8 +216,8 @@ TEST(picture_defaults, views_are_fitted_to_what_a_clip_leaves) {
     }
     EXPECT_LT(length(seen.lower - Vec3d{4.5, 4.5, 4.5}), 0.2);
     EXPECT_LT(length(seen.upper - Vec3d{7.5, 7.5, 7.5}), 0.2);
-    for (const double offset : {-1e3, 1e3}) {  // cuts nothing; leaves nothing
-        request.options.clip = {{}, {{{0, 0, 1}, offset}}};
+    for (const double offset : {-1e3, 1e3, 22.5}) {  // cuts nothing; leaves nothing; leaves a point
+        request.options.clip = {{}, {{{1, 1, 1}, offset}}};
         EXPECT_EQ(shown_by(request, all).content.hull, all.content.hull);
     }
     request.marks.axes = true;
