@@ -117,6 +117,7 @@ TEST(picture_record, refuses_what_is_none_in_one_line) {
     expect(R"({"shows": "T"})", "no member of a request, expected show, field");
     expect(R"({"show": "mass"})", "show mass: expected 'T'");
     expect(R"({"size": [0, 4]})", "size 0,4: expected pixels");
+    expect(R"({"light": "studio", "shadows": false})", "shadows false: `light` studio has it");
     expect(R"({"size": [100000, 100000]})", "at most 2^28");
     expect(R"({"size": [1e300, 1]})", "expected pixels");
     expect(R"({"tf": "/etc/passwd"})", "/etc/passwd");

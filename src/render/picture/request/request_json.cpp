@@ -94,6 +94,11 @@ PictureRequest request_of_json(const std::string& text, const PictureRequest& ba
     if (!json.is_object()) throw Error("request: expected a JSON object");
     for (const auto& [key, value] : json.items())
         requests::read(requests::entry_of(key), value, request);
+    for (const char* term : {"shadows", "ambient_occlusion"})
+        if (request.look.studio && json.contains(term) && json[term] == false)
+            throw RequestError(term,
+                               " false: `light` studio has it; state `light` head or a direction, "
+                               "and what else you want");
     return request;
 }
 
