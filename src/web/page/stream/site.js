@@ -14,7 +14,7 @@ import { Store, bytesOf } from './store.js';
 import { Visibility } from './visibility.js';
 
 // Half of what a page may take, 300 MB: the rest is the browser's and the picture's.
-const mostMegabytes = 150, mostGaussians = 2e6;
+export const mostMegabytes = 150, mostGaussians = 2e6;
 const slowMs = 50, fastMs = 25, mostCoarser = 64;  // frames in motion: a larger error above, a smaller one below
 const stepsAhead = 2, patienceMs = 500;            // steps in time fetched ahead; how long one that is there may stay coarse
 const perHalving = 2, sliderSteps = perHalving * Math.log2(mostError / leastError);  // of the slider of detail, finest to the right
@@ -36,8 +36,8 @@ export function asked(source, requests, files) {
 
 /** A line on a server that does not answer; isFirst: nor has before. */
 export const awayLine = ({ host, origin }, reason, isFirst) => (isFirst && origin !== self.origin
-  ? `No answer from ${host} that pages of ${self.origin} may read (Access-Control-Allow-Origin): it is tried again.`
-  : `No answer from ${host} (${reason}): what is here stays, and the rest is tried again.`);
+  ? `${host} sends no answer that pages from ${self.origin} may read (Access-Control-Allow-Origin): trying again.`
+  : `${reason.startsWith('HTTP') ? `${host} answers ${reason}` : `No answer from ${host} (${reason})`}; trying again.`);
 
 export class Site {
   /**
