@@ -522,7 +522,7 @@ class Failures(ElementTest):
                           ("old/", "page.json: HTTP 404; vog page MODEL -o FOLDER/ writes it beside the models"),
                           ("bare.vogz", "bare.vogz: has no levels of detail; write it with: vog pack MODEL -o FILE.vogz --hierarchy --deflate"),
                           ("plume.ply", "plume.ply: expected a compact file, FILE.vogz, or the folder of a site, which ends in /"),
-                          ("http://", "http://: expected an address with https:"), ("ftp://127.0.0.1/a.vogz", "expected an address of http or https, not of ftp")):
+                          ("http://", "http://: expected an address with https:"), ("ftp://127.0.0.1/a.vogz", "expected an address with http: or https:, not ftp:")):
             self.assertIn(part, self.failed(src))
         # Without an address the element is as one that never had any.
         self.assertTrue(self.value("(globalThis.ends = [], view().removeAttribute('src'), view().ready.then(() => ends.push('ready'), (error) => ends.push(error.message)), true)"))

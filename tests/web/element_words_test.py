@@ -18,7 +18,8 @@ class Settings(ElementTest):
         vog("page", "warm.ply", "turned.ply", "-o", "two/", "--site")
 
     def test_words_of_a_view(self):
-        self.host('<vog-view src="two/" model="2" show="mean" field="heat" subframes="1"></vog-view>')
+        self.host('<vog-view src="two/" model="2" show="mean" field="heat" subframes="1" exposure="0"></vog-view>')
+        self.assertEqual(self.value("line()"), "Not in this picture: exposure 0: expected a number from 1/64 to 64")
         self.assertEqual(self.value("[view().model, view().field, view().request.field, canvas().getAttribute('aria-label').split('.')[0]]"), [2, "heat", "heat", "turned"])
         self.assertEqual(self.value("[view().set({ model: 1.5 }), view().set({ model: 3 }), view().set({ pixel_error: 100 }), view().model]"),
                          [["model 1.5: expected a whole number above 0"], ["model 3: expected 1 to 2"], ["pixel_error 100: expected a number from 0.5 to 32 pixels"], 2])
@@ -49,6 +50,14 @@ class Settings(ElementTest):
         self.value("for (let n = 0; n < 40; ++n) view().set({ show: 'T', tf: { colors: [[0, n / 40, 0, 0], [1, 1, 1, 1]] } })")
         self.assertLess(len(self.value("view().set({ tf: 'zz' })[0]")), 250)
         self.assertAlmostEqual(self.value("view().request.tf.colors[0][1]"), 39 / 40)
+
+    def test_the_command_takes_the_request_of_a_view(self):
+        self.host('<vog-view src="plume.vogz" show="volume" tf="inferno" clip="-20,10,-20,40,90,40" subframes="1"></vog-view>')
+        self.shot()
+        self.assertIsNone(self.value("(view().clip = null, view().request.light)"))
+        self.value("void (view().clip = [-20, 10, -20, 40, 90, 40])")
+        vog("render", "plume.ply", "-o", "cpu.png", "--request", self.value("JSON.stringify(view().request)"))
+        self.hold("-PSNR of a request [dB]", -self.psnr("cpu.png", "web.png"), -50)
 
     def test_settings_outlive_their_view(self):
         """The same whether they are set before a model or after, and after another one."""

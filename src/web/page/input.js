@@ -41,7 +41,7 @@ export function attachPointers(canvas, view, signal) {
 
   on('pointerdown', (event) => {
     if (view.state.still) return;
-    // A finger may be about to scroll the page: the browser focuses what it has tapped.
+    // A finger may be about to scroll the page.
     if (event.pointerType !== 'touch') canvas.focus({ preventScroll: true });
     if (pointers.size === 0) begun = view.state.camera;
     canvas.setPointerCapture(event.pointerId);
@@ -62,6 +62,7 @@ export function attachPointers(canvas, view, signal) {
   on('pointercancel', () => { if (pointers.size > 0 && view.state.camera !== begun) view.move(begun); });
   for (const end of ['pointerup', 'pointercancel', 'lostpointercapture'])
     on(end, (event) => pointers.delete(event.pointerId));
+  on('click', () => { if (!view.state.still) canvas.focus({ preventScroll: true }); });
   on('contextmenu', (event) => event.preventDefault());
 
   on('wheel', (event) => {

@@ -334,10 +334,10 @@ function litAs(page, { light, clip, planes }) {
 
 /** Values of the members of a request, of those as well that the shown quantity has no use for. */
 export function valuesOf(page, state, shown) {
-  const model = page.models[state.model], background = page.systemBackground ? 'system' : page.background;
+  const model = page.models[state.model], background = page.systemBackground ? 'system' : page.background, edited = state.show === 'volume' && state.transfers[state.field];
   return {
     extinction: model.extinction * state.exposure, blend: state.fade, ...(state.field >= 0 && { field: fieldName(model, state) }), light_weights: state.light.weights,
-    ...litAs(page, state), ...state.asked.words, ...requestOf(page, state, shown), background,
+    ...litAs(page, state), ...(edited && { unit_distance: edited.unit }), ...state.asked.words, ...requestOf(page, state, shown), background,
   };
 }
 

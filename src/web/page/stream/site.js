@@ -27,7 +27,7 @@ export const placeOf = (site) => (site.file ? new RangeFile(site.file) : new Fol
 /** Promises of the bytes of files that nothing comes before. */
 export function asked(source, requests, files) {
   const list = [], all = files.map((file) => new Promise((done, fail) => {
-    list.push({ ...file, isFirst: true, done, failed: (_, reason) => fail(new Error(`${file.name}: ${reason}${file.hint ?? source.hint}`)) });
+    list.push({ ...file, isFirst: true, done, failed: (_, reason) => fail(new Error(`${file.name}: ${reason}${reason.includes('Access-Control') ? '' : file.hint ?? source.hint}`)) });
   }));
   for (const one of all) one.catch(() => {});  // whoever waits for one may not wait for the others
   requests.plan(list);
@@ -35,9 +35,10 @@ export function asked(source, requests, files) {
 }
 
 /** A line on a server that does not answer; isFirst: nor has before. */
-export const awayLine = ({ host, origin }, reason, isFirst) => (isFirst && origin !== self.origin
-  ? `${host} sends no answer that pages from ${self.origin} may read (Access-Control-Allow-Origin): trying again.`
-  : `${reason.startsWith('HTTP') ? `${host} answers ${reason}` : `No answer from ${host} (${reason})`}; trying again.`);
+export function awayLine({ host, origin }, reason, isFirst) {
+  const mayBeForbidden = isFirst && origin !== self.origin, none = mayBeForbidden ? `, or none with Access-Control-Allow-Origin for ${self.origin}` : ` (${reason})`;
+  return `${reason.startsWith('HTTP') ? `${host} answers ${reason}` : `No answer from ${host}${none}`}; trying again.`;
+}
 
 export class Site {
   /**

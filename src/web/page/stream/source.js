@@ -12,7 +12,7 @@ export function siteOf(address) {
     wrong('an address with https:, or relative to the page');
   }
   const { href, protocol, host, pathname } = url, name = pathname.split('/').at(-1), isOfPage = protocol === location.protocol && host !== '';
-  if (!isOfPage && !/^(https?|file|blob):$/.test(protocol)) wrong(`an address of http or https, not of ${protocol.slice(0, -1)}`);
+  if (!isOfPage && !/^(https?|file|blob):$/.test(protocol)) wrong(`an address with http: or https:, not ${protocol}`);
   if (protocol === 'blob:' || /\.vogz$/i.test(name)) return { file: href };
   if (!name.includes('.')) return { manifest: 'manifest.json', base: href };
   if (/\.json$/i.test(name)) return { manifest: name, base: new URL('.', href).href };

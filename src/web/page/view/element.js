@@ -98,13 +98,17 @@ export function elementOf(given) {
       const word = wordOf(name), found = nothing(), isCamera = word.startsWith('camera');
       // What a removed attribute said is the default's again.
       if (value === null) this.set({ [isCamera ? 'camera' : word]: null });
-      if (isCamera) for (const one of ['camera', ...cameraNames].filter((one) => this.hasAttribute(one))) takeText(found, wordOf(one), this.getAttribute(one));
-      else if (value !== null) takeText(found, keyOf(word), value || true, word);
-      this.#take(found);
+      const names = isCamera ? ['camera', ...cameraNames] : [name];
+      this.#take(this.#takenOf(names.filter((one) => this.hasAttribute(one)), found));
+    }
+    /** Takes attributes into the answer of readLink. */
+    #takenOf(names, found) {
+      for (const name of names) takeText(found, keyOf(wordOf(name)), this.getAttribute(name) || true, wordOf(name));
+      return found;
     }
 
     get src() { return this.getAttribute('src') ?? ''; }
-    set src(address) { this.setAttribute('src', address); }
+    set src(address) { this.setAttribute('src', address ?? ''); }
     /** The files of a site's folder in place of an address: (name) => bytes, or their promise. */
     get files() { return this.#files; }
     set files(read) {
@@ -112,7 +116,7 @@ export function elementOf(given) {
       this.#reopen();
     }
     get label() { return this.getAttribute('label') ?? ''; }
-    set label(text) { this.setAttribute('label', text); }
+    set label(text) { this.setAttribute('label', text ?? ''); }
 
     // --- The author's side. ---
 
@@ -151,7 +155,7 @@ export function elementOf(given) {
     }
     /** The same as a link's words, from # on, for pages and `vog render --request`. */
     get link() { return this.#view?.link ?? ''; }
-    set link(text) { this.#take(readLink(text)); }
+    set link(text) { this.#take(readLink(`${text}`)); }
     /** What there is to be shown: [{name, shows, fields: [{name, unit, lower, upper}]}]. */
     get models() {
       const fieldOf = ({ name, unit, lower, upper }) => ({ name, unit, lower, upper });
@@ -169,7 +173,7 @@ export function elementOf(given) {
     async picture() {
       await this.#ready;
       const view = this.#view;
-      if (!view) throw new Error('there is no model');
+      if (!view || !this.isConnected) throw new Error('the view has been removed');
       if (view.canvas.clientWidth * view.canvas.clientHeight === 0) throw new Error('the element is hidden or has no size: show it first');
       await view.settled();
       return new Promise((done, fail) => {
@@ -232,7 +236,8 @@ export function elementOf(given) {
       view.state.embed = true;
       attachKeys(view.canvas, motions(view), view.ended.signal);
       this.#readout = new Readout(view.canvas, view, (lines) => this.#tell('probe', { lines }));
-      this.#apply(this.#asked);
+      const { problems } = this.#takenOf(own.map(hyphened).filter((name) => this.hasAttribute(name)), nothing());
+      this.#apply({ ...this.#asked, problems });
       this.#describe();
       view.start();
     }
