@@ -71,13 +71,16 @@ class Settings(ElementTest):
         self.assertEqual(self.value("""(async () => {
             const one = view(1), lines = [];
             one.on('error', ({ message }) => lines.push(message));
+            one.set({ show: 'column', range: [0, 5] });
+            one.set({ show: 'mean' });
+            const { range } = one;
             one.remove();
             await null;
             const ended = await one.ready.catch(({ message }) => message);
             document.body.append(one);
             await one.ready;
-            return [ended, one.camera.eye, Math.round(one.camera.fov_degrees), one.tf, lines];
-        })()"""), ["the view has been removed", [300, 80, 0], 20, "viridis", []])
+            return [ended, one.camera.eye, Math.round(one.camera.fov_degrees), one.tf, `${one.range}` === `${range}`, lines];
+        })()"""), ["the view has been removed", [300, 80, 0], 20, "viridis", True, []])
 
     def test_promises_end_with_their_view(self):
         self.host('<vog-view src="plume.vogz" label="A plume"></vog-view>')

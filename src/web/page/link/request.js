@@ -199,8 +199,11 @@ function askedOf(before, request, problems) {
   return { asked, isNew: given.length > 0, isFresh };
 }
 
-/** Request of two, one after the other, but for the members of the second that a view has refused. */
-export function joined(first, second, problems) {
+/**
+ * Request of two, one after the other, but for the members of the second that a view has refused.
+ * held  members that the view has for its transfer function or scale, of which another field has none; null: no view
+ */
+export function joined(first, second, problems, held) {
   const all = { ...first };
   for (const [key, value] of Object.entries(second)) {
     if (value === undefined || key === 'size' || isRefused(key, problems)) continue;
@@ -217,6 +220,7 @@ export function joined(first, second, problems) {
       all[key] = value;
     }
   }
+  for (const key of held ? valueWords : []) if (held[key] === undefined && (key !== 'tf' || isAtValues(all.tf))) delete all[key];
   return all;
 }
 

@@ -281,7 +281,7 @@ export function elementOf(given) {
     #take(found) {
       const problems = this.#apply(found), { model, ...settings } = found.settings;
       Object.assign(this.#asked.settings, settings, model <= (this.#view?.page.models.length ?? Infinity) && { model });
-      this.#asked.request = joined(this.#asked.request, found.request, problems);
+      this.#asked.request = joined(this.#asked.request, found.request, problems, this.#view?.state.asked.words);
       return problems;
     }
 
