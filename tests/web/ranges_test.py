@@ -36,7 +36,7 @@ class Addresses(NodeTest):
     def test_addresses_that_no_page_reads_are_refused_at_once(self):
         for address in ("data:,x", "ftp://host/flow.vogz", "ftp://host/folder/", "javascript:1", "app://local/a.vogz"):
             self.assertEqual(self.site(address), f"{address}: expected an address with http: or https:, not {address.split(':')[0]}:")
-        self.assertEqual(self.site("data:,x", at="data:"), "data:,x: expected an address of http or https, not of data")
+        self.assertEqual(self.site("data:,x", at="data:"), "data:,x: expected an address with http: or https:, not data:")
         for address in ("http://[", "http://"):
             self.assertEqual(self.site(address), f"{address}: expected an address with https:, or relative to the page")
 
