@@ -32,6 +32,7 @@ struct PictureRecord {
 };
 /// Text for the writers of vog/image.h.
 std::string record_json(const PictureRecord& record);
+/// Record of its JSON, or of a request's, which names no inputs.
 /// throws  vog::Error for text that is no record, and as request_of_json does
 PictureRecord record_of_json(const std::string& json);
 /// Record of a page's link (docs/web.md): its members of a request, without the page's own words; it names no inputs.

@@ -249,7 +249,7 @@ class Words(ElementTest):
         self.assertEqual(self.value("view().set({ tiff: 1, subframes: 'many', show: 'depth' }).length"), 3)
         self.assertIn("tiff: expected one of show, field, tf", self.value("line()"))
         self.value("view().setAttribute('subframes', '1e9')")
-        self.assertIn("subframes 1000000000: out of range", self.value("line()"))
+        self.assertIn("subframes 1000000000: expected a whole number from 1 to 64", self.value("line()"))
         self.assertEqual(self.value("view().subframes"), 8)
 
     def test_what_was_set_before_a_model_holds_for_it(self):
@@ -489,7 +489,7 @@ class Security(ElementTest):
         other = self.other()
         self.host(f'<vog-view src="{other.url}site/"></vog-view><p id="rest">The rest</p>', wait=False)
         self.until("errors().some(({ fatal }) => fatal)")
-        self.assertIn(f"does not let pages of {self.server.url[:-1]} read it, expected Access-Control-Allow-Origin", self.value("line()"))
+        self.assertIn(f"does not allow pages from {self.server.url[:-1]}: its answer needs Access-Control-Allow-Origin", self.value("line()"))
         self.assertEqual(self.value("rest.textContent"), "The rest")
         self.assertTrue(all("CORS" in line or "ERR_FAILED" in line for line in self.browser.complaints), self.browser.complaints)
         self.browser.complaints.clear()
@@ -517,12 +517,12 @@ class Failures(ElementTest):
         page["models"][0]["cutoff"] = "wide"
         (self.folder / "wide/page.json").write_text(json.dumps(page))
         for src, part in (("text.vogz", "text.vogz: 8 bytes that begin no compact model"), ("missing.vogz", "missing.vogz: HTTP 404"),
-                          ("no/", "manifest.json: 15 bytes that are no JSON, expected the description of a site"),
+                          ("no/", "manifest.json: not valid JSON; expected a site's manifest"),
                           ("wide/", 'page.json: models[0]: cutoff: "wide", expected a number'),
-                          ("old/", "page.json: HTTP 404, expected that of vog page, which writes it beside the models"),
-                          ("bare.vogz", "bare.vogz: page: nothing, expected that of vog pack MODEL -o FILE.vogz --hierarchy --deflate"),
+                          ("old/", "page.json: HTTP 404; vog page MODEL -o FOLDER/ writes it beside the models"),
+                          ("bare.vogz", "bare.vogz: has no levels of detail; write it with: vog pack MODEL -o FILE.vogz --hierarchy --deflate"),
                           ("plume.ply", "plume.ply: expected a compact file, FILE.vogz, or the folder of a site, which ends in /"),
-                          ("http://", "http://: expected an address with https:"), ("ftp://127.0.0.1/a.vogz", "expected an address of http or https, not of ftp")):
+                          ("http://", "http://: expected an address with https:"), ("ftp://127.0.0.1/a.vogz", "expected an address with http: or https:, not ftp:")):
             self.assertIn(part, self.failed(src))
         # Without an address the element is as one that never had any.
         self.assertTrue(self.value("(globalThis.ends = [], view().removeAttribute('src'), view().ready.then(() => ends.push('ready'), (error) => ends.push(error.message)), true)"))
@@ -535,7 +535,7 @@ class Failures(ElementTest):
         self.value("(view().src = 'PLUME.VOGZ', view().ready.then(() => true))")
         self.assertEqual(self.value("view().models[0].name"), "PLUME")
         self.value("(view().dispose(), true)")
-        self.assertEqual(self.value("view().picture().then(() => '', ({ message }) => message)"), "there is no model")
+        self.assertEqual(self.value("view().picture().then(() => '', ({ message }) => message)"), "the view has been removed")
 
     def test_a_damaged_chunk_leaves_the_page_and_a_coarser_picture(self):
         vog("sample", "cloud", "cloud.vdb", "--size", 64)

@@ -103,6 +103,47 @@ class Links(NodeTest):
         # Other models are seen from the same place beside their boxes.
         self.assertAlmostEqual(moved[1]["span"], 2 * moved[0]["span"])
 
+    def test_a_field_is_that_of_the_model_that_is_chosen_with_it(self):
+        self.state()
+        found = self.value("""(() => {
+            const [model] = page.models, both = { ...page, models: [model, { ...model, fields: [...model.fields].reverse() }] };
+            return [['#model=2&show=mean&field=heat'], ['#show=mean&field=heat', '#model=2'], ['#model=2', '#show=mean&field=heat'], ['#model=2&show=mean&field=signed', '#model=1']].map((hashes) => {
+                const state = hashes.reduce((now, hash) => changedState(both, now, partOfLink(both, now, readLink(hash), now.camera).part), firstState(both, true));
+                return both.models[state.model].fields[state.field].name;
+            });
+        })()""")
+        self.assertEqual(found, ["heat", "heat", "heat", "signed"])
+
+    def test_words_of_the_page_have_ranges_and_defaults(self):
+        expected = self.state()
+        self.state("#model=1.5&level=0&subframes=2.5&exposure=1000&memory=-1&error=100&most=x&still=no")
+        self.assertEqual(self.value("problems"), [
+            "model 1.5: expected a whole number above 0", "level 0: expected a whole number above 0", "subframes 2.5: expected a whole number from 1 to 64",
+            "exposure 1000: expected a number from 1/64 to 64", "memory -1: expected a number from 1 to 100000 MB", "error 100: expected a number from 0.5 to 32 pixels",
+            'most "x": expected a whole number from 1 to 1000000000', 'still "no": expected true or false'])
+        words = {"exposure": 2, "subframes": 1, "still": "still", "error": 4, "memory": 50, "most": 1000, "logaxis": 1}
+        changed = self.state("#" + "&".join(f"{word}={value}" for word, value in words.items()))
+        self.assertEqual([changed[key] for key in ("exposure", "subframes", "still", "pixelError", "memory", "most", "logAxis")], [2, 1, True, 4, 50, 1000, True])
+        self.assertEqual(self.state("#" + "&".join(f"{word}={value}" for word, value in words.items()), "#" + "&".join(f"{word}=" for word in words)), expected)
+        self.assertEqual(self.state("#light_weights=1,0,0,1", "#light_weights=&background=")["light"], expected["light"])
+        self.assertEqual(self.state("#model=9")["model"], 0)
+        self.assertEqual(self.value("problems"), ["model 9: expected 1 to 1"])
+
+    def test_maps_of_requests_replace_each_other(self):
+        for name in "own", "viridis":
+            state = self.state(*(f'#tf={{"name":"{name}","colors":[[0,{n / 8},0.3,0],[1,1,1,1]]}}' for n in range(9)))
+            own = self.value("page.maps.filter(({ own }) => own)")
+            self.assertLessEqual(len(own), 2)
+            self.assertIn(state["map"], [f"{name}{' (own)' * n}" for n in range(3)])
+            self.assertEqual([map["colors"][0] for map in own if map["name"] == state["map"]], [[0, 1, 0.3, 0]])
+
+    def test_a_map_replaces_colours_at_values(self):
+        bands, window = "#show=volume&field=heat&bands=[[290,300,[1,0,0],0.5]]", "#show=volume&field=heat&window=300,10"
+        for begun in bands, window:
+            state = self.state(begun, "#tf=hot")
+            self.assertEqual([state["transfers"], state["asked"]["words"], state["map"]], [{}, {}, "hot"])
+        self.assertEqual(self.state("#show=volume&field=heat&range=290,300", "#tf=hot", "#threshold=x")["asked"]["words"], {"range": [290, 300]})
+
     def test_planes_that_are_none_are_refused(self):
         for wrong in ("clip_planes=1,2", "clip_planes=0,0,0,1", "clip_planes=a,b,c,d", f"clip_planes={[[1, 0, 0, 0]] * 11}"):
             self.assertEqual(self.state(f"#{wrong}")["planes"], [])
@@ -137,7 +178,7 @@ class Links(NodeTest):
             self.assertNotIn("0", self.state(json.dumps({"show": "volume", "field": "heat", "gradient_opacity": wrong}))["transfers"])
             self.assertTrue(self.value("problems")[0].startswith("gradient_opacity "), wrong)
         self.state('{"units": "K"}')
-        self.assertEqual(self.value("problems"), ["units: a page has none"])
+        self.assertEqual(self.value("problems"), ["unknown setting: units"])
 
     def test_studio_is_shadows_occlusion_and_three_octaves_from_the_upper_left(self):
         light = self.state("#show=volume&light=studio")["light"]

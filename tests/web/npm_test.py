@@ -25,8 +25,12 @@ const view: VogView = document.querySelector('vog-view')!;
 const end: () => void = view.on('error', ({ message, fatal }) => console.error(message, fatal));
 const camera: Camera = { eye: [1, 2, 3], look_at: [0, 0, 0] };
 const lines: string[] = view.set({ tf: 'viridis', range: [0, 2], light: 'head' });
+view.addEventListener('change', (event) => console.log(event.detail.request.size));
+view.addEventListener('click', (event) => console.log(event.clientX));
+view.set({ exposure: null, still: null, camera, size: [640, 400] });
+const model: number = view.get('model');
 const eye: [number, number, number] | undefined = view.camera?.eye;
-Object.assign(window, { view, workers, end, camera, lines, eye, VogView });
+Object.assign(window, { view, workers, end, camera, lines, eye, model, VogView });
 """
 # Each of these lines is wrong, and the types say so.
 WRONG = ("view.set({ tiff: 1 });", "view.set({ range: [0] });", "view.show = 'depth';", "view.on('errors', () => {});", "view.picture().width;")

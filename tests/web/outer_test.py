@@ -96,7 +96,7 @@ class Widget(ElementTest):
 
     def test_files_that_are_missing_are_named(self):
         self.value("model.from_python('files', {})")
-        self.until("view().shadowRoot.querySelector('p').textContent === 'The model cannot be read: manifest.json: no such file, expected the description of a site.'")
+        self.until("view().shadowRoot.querySelector('p').textContent === 'The model cannot be read: manifest.json: no such file; expected the manifest of a site.'")
 
     def test_a_removed_widget_is_silent(self):
         self.value("remove()")

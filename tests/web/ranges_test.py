@@ -35,8 +35,8 @@ class Addresses(NodeTest):
 
     def test_addresses_that_no_page_reads_are_refused_at_once(self):
         for address in ("data:,x", "ftp://host/flow.vogz", "ftp://host/folder/", "javascript:1", "app://local/a.vogz"):
-            self.assertEqual(self.site(address), f"{address}: expected an address of http or https, not of {address.split(':')[0]}")
-        self.assertEqual(self.site("data:,x", at="data:"), "data:,x: expected an address of http or https, not of data")
+            self.assertEqual(self.site(address), f"{address}: expected an address with http: or https:, not {address.split(':')[0]}:")
+        self.assertEqual(self.site("data:,x", at="data:"), "data:,x: expected an address with http: or https:, not data:")
         for address in ("http://[", "http://"):
             self.assertEqual(self.site(address), f"{address}: expected an address with https:, or relative to the page")
 
@@ -192,7 +192,7 @@ class Ranges(NodeSiteTest):
         for body, words in ((self.folder / "zstd.vogz", "packed by zstd"), (self.folder / "flat.vogz", "--hierarchy --deflate"),
                             (b"<!doctype html>", "no compact model"), (b"", "an empty file, no compact model: vog pack MODEL"), (whole[:8] + b"\x02" + whole[9:], "version 2"),
                             (whole[:60] + bytes([whole[60] ^ 1]) + whole[61:], "damaged"), (whole[:60], "60 bytes, expected a header"),
-                            (whole[:-1], f"{len(whole) - 1} bytes, expected the {len(whole)} of its table"), (404, "HTTP 404")):
+                            (whole[:-1], f"is {len(whole) - 1} bytes long; its table says {len(whole)} (truncated?)"), (404, "HTTP 404")):
             body = body.read_bytes() if hasattr(body, "read_bytes") else body
             self.begin(answers={"dust.vogz": body})
             self.until("!failure.hidden")

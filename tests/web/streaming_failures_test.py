@@ -144,11 +144,11 @@ class Failures(NodeSiteTest):
 
     def test_a_manifest_that_is_none(self):
         whole = self.manifest()
-        for answer, words in ((404, "manifest.json: HTTP 404"), (b"<html>", "no JSON"), (b"{}", "format"),
+        for answer, words in ((404, "manifest.json: HTTP 404"), (b"<html>", "not valid JSON"), (b"{}", "format"),
                               (json.dumps({**whole, "version": 2}).encode(), "version: 2, expected 1"),
                               (json.dumps({**whole, "models": []}).encode(), "models: 0, expected 1 to"),
                               (json.dumps({**whole, "models": 2 * whole["models"]}).encode(), "models: 2, expected the 1 of the page"),
-                              (json.dumps(whole).encode()[:-20], "no JSON")):
+                              (json.dumps(whole).encode()[:-20], "not valid JSON")):
             self.begin(answers={"manifest.json": answer})
             self.until("!failure.hidden")
             self.assertIn(words, self.failure())

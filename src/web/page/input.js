@@ -35,12 +35,15 @@ function pinched(camera, before, after, leastDistance) {
  */
 export function attachPointers(canvas, view, signal) {
   const pointers = new Map();
+  let begun = null;  // camera before the first of them
   const place = (event) => pointOf(canvas, event.clientX, event.clientY);
   const on = (name, listener) => canvas.addEventListener(name, listener, { passive: false, signal });
 
   on('pointerdown', (event) => {
     if (view.state.still) return;
-    canvas.focus({ preventScroll: true });
+    // A finger may be about to scroll the page.
+    if (event.pointerType !== 'touch') canvas.focus({ preventScroll: true });
+    if (pointers.size === 0) begun = view.state.camera;
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, place(event));
   });
@@ -55,8 +58,11 @@ export function attachPointers(canvas, view, signal) {
     if (before.length === 1) view.move(dragged(event, camera, from, to, least));
     if (before.length === 2) view.move(pinched(camera, before, [...pointers.values()], least));
   });
+  // The browser scrolls the page: the motion was its own.
+  on('pointercancel', () => { if (pointers.size > 0 && view.state.camera !== begun) view.move(begun); });
   for (const end of ['pointerup', 'pointercancel', 'lostpointercapture'])
     on(end, (event) => pointers.delete(event.pointerId));
+  on('click', () => { if (!view.state.still) canvas.focus({ preventScroll: true }); });
   on('contextmenu', (event) => event.preventDefault());
 
   on('wheel', (event) => {
@@ -73,7 +79,7 @@ export function attachPointers(canvas, view, signal) {
 
 /**
  * Attaches keys to an element, or to a window for any focus, except where a focused control uses the key itself.
- * commands  {key: function of the event}, by KeyboardEvent.key, or code for digits
+ * commands  {key: function of the event; returns false where it has no effect}, by KeyboardEvent.key, or code for digits
  */
 export function attachKeys(target, commands, signal) {
   target.addEventListener('keydown', (event) => {
@@ -82,8 +88,6 @@ export function attachKeys(target, commands, signal) {
     const inControl = event.target.closest?.('input, select, button, a, dialog');
     if (inControl && /^(arrow|page|home|end|enter| )/.test(name)) return;
     if (inControl?.tagName === 'SELECT' && /^[a-z]$/.test(name)) return;
-    if (!commands[name]) return;
-    event.preventDefault();
-    commands[name](event);
+    if (commands[name] && commands[name](event) !== false) event.preventDefault();
   }, { signal });
 }

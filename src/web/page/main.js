@@ -30,7 +30,10 @@ const view = find('picture').around(page, {
   Models: page.site ? Site : Levels, panel: !narrow(),
   tell: {
     say, fail: giveUp, resized: showOverlay, playing: () => player?.playing, shown: showControls,
-    drawn: (count) => { document.documentElement.dataset.drawn = count; },
+    drawn: (count) => {
+      document.documentElement.dataset.drawn = count;
+      readout.renew();
+    },
     took: (ms) => { find('count').title = `${Math.round(ms)} ms a frame`; },
     ground: (name) => { document.documentElement.dataset.ground = name; },
     status: (status) => {

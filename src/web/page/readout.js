@@ -37,7 +37,7 @@ export class Readout {
     canvas.addEventListener('pointermove', (event) => {
       const box = canvas.getBoundingClientRect(), scale = canvas.width / box.width;
       this.pixel = [Math.floor((event.clientX - box.left) * scale), Math.floor((event.clientY - box.top) * scale)];
-      if (!view.moving && !view.inFlight) this.show();
+      if (!view.moving && !view.inFlight) this.show();  // else once that picture has been drawn
     }, { signal });
     canvas.addEventListener('pointerleave', () => {
       this.pixel = null;
@@ -55,4 +55,6 @@ export class Readout {
   }
 
   show() { this.tell(this.lines()); }
+  /** Shows the numbers of another picture under a pointer at rest. */
+  renew() { if (this.pixel) this.show(); }
 }

@@ -141,6 +141,14 @@ TEST(picture_record, refuses_what_is_none_in_one_line) {
               std::string::npos);
 }
 
+TEST(picture_record, reads_a_request_without_a_record_around_it) {
+    const char* json = R"({"show": "column", "tf": "viridis", "clip": null})";
+    const PictureRecord record = record_of_json(json);
+    EXPECT_EQ(request_json(record.request), request_json(request_of_json(json)));
+    EXPECT_TRUE(record.inputs.empty());
+    EXPECT_NE(refusal([] { record_of_json("[1]"); }).find("expected an object"), std::string::npos);
+}
+
 TEST(picture_record, refuses_members_without_effect) {
     for (const char* json :
          {R"({"field": "temperature"})", R"({"range": [0, 1]})",

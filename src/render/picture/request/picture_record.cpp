@@ -80,9 +80,12 @@ std::string record_json(const PictureRecord& record) {
 
 PictureRecord record_of_json(const std::string& text) try {
     const Json json = Json::parse(text);
-    if (!json.is_object() || !json.contains("picture"))
-        throw Error("no record of a picture, expected an object with 'picture' and 'inputs'");
+    if (!json.is_object()) throw Error("no record of a picture, expected an object");
     PictureRecord record;
+    if (!json.contains("picture")) {
+        record.request = request_of(text, {});  // without a record around it, as of <vog-view>
+        return record;
+    }
     record.version = json.value("vog", "");
     for (const auto& [key, value] : json.items()) {
         if (key == "vog")

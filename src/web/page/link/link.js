@@ -41,19 +41,25 @@ export function changedState(page, before, part) {
   state.pixelError = Math.max(leastError, Math.min(state.pixelError, mostError));
   if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
   if (!part.asked && ['show', 'field', 'part', 'scale', 'transfers', 'map', 'reverse'].some((key) => part[key] !== undefined && part[key] !== before[key])) state.asked = nothingAsked;
-  Object.assign(state, shownOf(models[state.model], state, models[before.model].fields[state.field]?.name));
+  // A field that is chosen with its model is one of that model; another one is found by its name.
+  Object.assign(state, shownOf(models[state.model], state, part.field === undefined ? models[before.model].fields[state.field]?.name : null));
   if ((fieldKey(state) !== fieldKey(before) || state.show !== before.show) && part.scale === undefined) state.scale = null;
   return state;
 }
 
-const number = (low, high) => (v) => (typeof v === 'number' && v >= low && v <= high ? v : null);
-const flag = (v) => v !== 0 && v !== false;
-/** Words of the page, and how they are read; null: another value. */
+const number = (unset, range, low, high) => ({ unset, expected: `a number from ${range}`, read: (v) => (typeof v === 'number' && v >= low && v <= high ? v : undefined) });
+const count = (unset, most) => ({ unset, expected: `a whole number${most < Infinity ? ` from 1 to ${most}` : ' above 0'}`, read: (v) => (Number.isInteger(v) && v >= 1 && v <= most ? v : undefined) });
+// An attribute without a value may have its own name.
+const flag = { unset: false, expected: 'true or false', read: (v, key) => (v === true || v === 1 || v === key ? true : v === false || v === 0 ? false : undefined) };
+/** Words of the page: how they are read, undefined for a value that cannot be, and the value that stands for their default. */
 const words = {
-  embed: flag, still: flag, half: flag, logaxis: flag, subframes: number(1, 64), model: number(1, 1e6), level: number(1, 1e6),
-  planes_off: (rows) => (Array.isArray(rows) ? rows : null),  // listed, but off
-  error: number(leastError, mostError), memory: number(1, 1e5), most: number(1, 1e9), exposure: number(1 / 64, 64),
+  embed: flag, still: flag, half: flag, logaxis: flag, subframes: count(8, 64), model: count(1, Infinity), level: count(1, Infinity),
+  planes_off: { unset: [], expected: 'planes', read: (rows) => (Array.isArray(rows) ? rows : undefined) },  // listed, but off
+  error: number(1, '0.5 to 32 pixels', leastError, mostError), memory: number(null, '1 to 100000 MB', 1, 1e5), most: count(null, 1e9),
+  exposure: number(1, '1/64 to 64', 1 / 64, 64),
 };
+/** Value of a word of the page that nothing sets. */
+export const unsetOf = (key) => words[key].unset;
 
 /** Members of a request that have a default in every picture. */
 export const pictureWords = ['show', 'field', 'tf', 'range', 'scale', 'extinction', 'blend', 'light', 'shadows', 'light_from', 'ambient_occlusion', 'scattering', 'asymmetry', 'clip_lights', 'clip',
@@ -88,19 +94,23 @@ export function readLink(text) {
     return found;
   }
   for (const [key, value] of new URLSearchParams(text.replace(/^[^#]*#/, ''))) {
-    const given = value === '' && !text.includes(`${key}=`) ? true : valueOf(value);
-    takeWord(found, key, key === 'field' ? value : value === '' && given !== true ? null : given);
+    takeText(found, key, value === '' && !text.includes(`${key}=`) ? true : value);
   }
   return found;
 }
 
-/** Takes a word and its value into the answer of readLink. */
-export function takeWord(found, key, value) {
-  const read = Object.hasOwn(words, key) ? words[key](value) : undefined;
-  if (key.startsWith('camera.')) (found.request.camera ??= {})[key.slice(7)] = value;
-  else if (read === undefined) found.request[key] = value;
-  else if (read === null) found.problems.push(`${key} ${String(JSON.stringify(value)).slice(0, 60)}: out of range`);
-  else found.settings[key] = read;
+/** Takes a word and the text of its value, true for none, into the answer of readLink. */
+export const takeText = (found, key, text, name) => takeWord(found, key, text === '' ? null : text === true || key === 'field' ? text : valueOf(text), name);
+
+/** Takes a word and its value, null for its default, into the answer of readLink; name: of the word in lines. */
+export function takeWord(found, key, value, name = key) {
+  if (key.startsWith('camera.')) found.request.camera = { ...found.request.camera, [key.slice(7)]: value };
+  else if (!Object.hasOwn(words, key)) found.request[key] = value;
+  else {
+    const { unset, expected, read } = words[key], taken = value === null ? unset : read(value, key);
+    if (taken === undefined) found.problems.push(`${name} ${String(JSON.stringify(value)).slice(0, 60)}: expected ${expected}`);
+    else found.settings[key] = taken;
+  }
 }
 
 /**
@@ -110,7 +120,7 @@ export function takeWord(found, key, value) {
  */
 export function partOfLink(page, state, { settings, request, problems }, home) {
   const { model, level, error, half: _, logaxis, planes_off: off, ...others } = settings, part = { ...others };
-  if (model !== undefined) part.model = Math.min(model, page.models.length) - 1;
+  if (model <= page.models.length) part.model = model - 1;
   if (level !== undefined) part.level = level - 1;
   if (error !== undefined) part.pixelError = error;
   if (logaxis !== undefined) part.logAxis = logaxis;

@@ -86,18 +86,21 @@ function sharesOf({ name, colors, opacity: given, domain = [0, 1] }) {
   return low < high ? { name: nameOf(name), colors: over(colors), opacity: over(opacity), own: true } : null;
 }
 
-/** {map, reverse} of the page's maps, to which one of unknown points is added; null: `tf` is no map. */
-function mapOf(page, tf) {
+/** {map, reverse} of the page's maps, to which one of unknown points is added, in place of those before but the shown one; null: `tf` is no map. */
+function mapOf(page, tf, shown) {
   if (typeof tf === 'string') return page.maps.some(({ name }) => name === tf) ? { map: tf, reverse: false } : null;
   const given = isObject(tf) ? sharesOf(tf) : null;
   if (!given) return null;
   for (const map of page.maps)
     for (const reverse of [false, true])
       if (samePoints((reverse ? reversed(map) : map).colors, given.colors) && samePoints(map.opacity ?? [], given.opacity)) return { map: map.name, reverse };
+  page.maps = page.maps.filter(({ name, own }) => !own || name === shown);
   while (page.maps.some(({ name }) => name === given.name)) given.name += ' (own)';
   page.maps.unshift(given);
   return { map: given.name, reverse: false };
 }
+
+const bandRows = 'rows of lower, upper or null, [r, g, b] and opacity: [[1, 2, [1, 0, 0], 0.5]]';
 
 /** Transfer function of bands [[low, high or null, [r, g, b], opacity], ...]; null: they are none. As vog::band_transfer. */
 function ofBands(bands, upper) {
@@ -136,7 +139,7 @@ function transferOf(page, request, now, before, isOther, wrong) {
     made = { name: 'window', colors: [[low, 0, 0, 0], [high, 1, 1, 1]], opacity: [[low, 0], [high, mostOpacity]] };
   } else if (request.bands?.length > 0) {
     made = ofBands(request.bands, source.upper);
-    if (!made) wrong('bands', 'rows of lower, upper, [r, g, b] and opacity');
+    if (!made) wrong('bands', bandRows);
   } else if (isAtValues(request.tf)) {
     const { name, colors, opacity, domain } = request.tf;
     if (arePoints(colors, 4)) made = { name: nameOf(name), colors, opacity: arePoints(opacity, 2) ? opacity : [[domain[0], 0], [domain[1], 1]] };
@@ -169,27 +172,62 @@ const replaced = {
   window: ['tf', 'range', 'scale', 'bands'], bands: ['tf', 'range', 'scale', 'window'], range: ['tf', 'window', 'bands'], tf: ['range', 'scale', 'window', 'bands'],
 };
 
+/** Members that a value of another one replaces: a map those with colours of their own. */
+const replacedBy = (key, value) => (key === 'tf' && !isAtValues(value) ? ['window', 'bands'] : Object.hasOwn(replaced, key) ? replaced[key] : []);
+/** Whether a line refuses a member. */
+const isRefused = (key, problems) => problems.some((line) => (line.startsWith(`${key} `) && line.includes(': expected ')) || line === `unknown setting: ${key}`);
+
 /**
  * Members asked for, before and now.
  * returns  {asked, isNew: the request has some, isFresh: some have their defaults again}
  */
 function askedOf(before, request, problems) {
-  const asked = { ...before }, given = valueWords.filter((key) => request[key] !== undefined), isFresh = given.some((key) => request[key] === null);
+  const asked = { ...before }, given = valueWords.filter((key) => request[key] !== undefined);
+  let isFresh = given.some((key) => request[key] === null);
   for (const key of given) {
-    const value = request[key], isWrong = problems.some((line) => line.startsWith(`${key} `));
-    if (isWrong) continue;
+    const value = request[key];
+    if (isRefused(key, problems)) continue;
     const isDefault = value === null || value === 'auto' || value.length === 0, isOfMap = key === 'tf' && !isAtValues(value);
     if (isDefault || (isOfMap && !value.unit_distance && !value.gradient_opacity)) delete asked[key];
     else asked[key] = value;
-    if (!isDefault && !isOfMap) for (const other of replaced[key] ?? []) if (request[other] === undefined) delete asked[other];
+    for (const other of isDefault ? [] : replacedBy(key, value)) {
+      if (request[other] !== undefined || asked[other] === undefined) continue;
+      isFresh ||= isOfMap;  // its colours would lie under those of the bands
+      delete asked[other];
+    }
   }
   return { asked, isNew: given.length > 0, isFresh };
 }
 
 /**
+ * Request of two, one after the other, but for the members of the second that a view has refused.
+ * held  members that the view has for its transfer function or scale, of which another field has none; null: no view
+ */
+export function joined(first, second, problems, held) {
+  const all = { ...first };
+  for (const [key, value] of Object.entries(second)) {
+    if (value === undefined || key === 'size' || isRefused(key, problems)) continue;
+    for (const other of value === null ? [] : replacedBy(key, value))
+      if (second[other] === undefined && (other !== 'tf' || isAtValues(all.tf))) delete all[other];  // a map goes with any of them
+    if (value === null) {
+      delete all[key];
+    } else if (key === 'camera' && isObject(value)) {
+      // A lens replaces the other one, and is that of a picture of its size.
+      const isLens = (name) => name === 'fov_degrees' || name === 'orthographic_width', hasLens = Object.keys(value).some(isLens);
+      all.camera = { ...Object.fromEntries(Object.entries(all.camera ?? {}).filter(([name]) => !hasLens || !isLens(name))), ...value };
+      if (hasLens) all.size = second.size;
+    } else {
+      all[key] = value;
+    }
+  }
+  for (const key of held ? valueWords : []) if (held[key] === undefined && (key !== 'tf' || isAtValues(all.tf))) delete all[key];
+  return all;
+}
+
+/**
  * Change of the state by the members of a request; others stay, and null stands for a member's default.
  * home     the view of a page that opens
- * returns  {part, background: null: stays, problems: a line for each member that the page does not take}
+ * returns  {part, background: a color, 'system', or 'first' as in the first view; null: stays, problems: a line for each member that the page does not take}
  */
 export function partOfRequest(page, state, request, home) {
   const part = {}, problems = [], model = page.models[state.model];
@@ -208,7 +246,7 @@ export function partOfRequest(page, state, request, home) {
   take('show', shows(model).map(([name]) => name).join(', '), (show) => (shows(model).some(([name]) => name === show) ? { show } : null), { show: 'T' });
   take('field', model.fields.map(({ name }) => name).join(', ') || 'none', (text) => (text === '' ? { field: -1, part: '' } : fieldOf(model, text)), { field: -1, part: '' });
   const volume = (part.show ?? state.show) === 'volume', ofValues = volume && isAtValues(request.tf);
-  take('tf', `one of ${page.maps.map(({ name }) => name).join(', ')}, or points`, (tf) => (ofValues ? {} : mapOf(page, tf)), { map: page.map, reverse: false });
+  take('tf', `one of ${page.maps.map(({ name }) => name).join(', ')}, or points`, (tf) => (ofValues ? {} : mapOf(page, tf, state.map)), { map: page.map, reverse: false });
   take('extinction', 'auto or a number above 0', (value) => (value === 'auto' ? { exposure: 1 } : isAbove(value) ? { exposure: value / model.extinction } : null), { exposure: 1 });
   take('blend', 'true or false', (fade) => (typeof fade === 'boolean' ? { fade } : null), { fade: false });
   const lit = (more) => ({ light: { ...state.light, ...part.light, ...more } }), flag = (key, value) => (typeof value === 'boolean' ? lit({ [key]: value }) : null);
@@ -216,7 +254,7 @@ export function partOfRequest(page, state, request, home) {
     const isStudio = to === 'studio', lights = isStudio || to === 'head' ? [] : readLights(to);
     return lights && lit({ ...(isStudio && studio), on: !isStudio, lights });
   }, lit({ on: false }));
-  take('light_weights', 'four numbers', (weights) => (areNumbers(weights, 4) ? lit({ weights }) : null), {});
+  take('light_weights', 'four numbers', (weights) => (areNumbers(weights, 4) ? lit({ weights }) : null), lit({ weights: page.picture.light_weights }));
   const unlit = (less) => (request.light === 'studio' ? {} : lit(less));
   take('shadows', 'true or false', (on) => flag('shadows', on), unlit({ shadows: false }));
   take('ambient_occlusion', 'true or false', (on) => flag('occlusion', on), unlit({ occlusion: false }));
@@ -247,23 +285,24 @@ export function partOfRequest(page, state, request, home) {
     const lens = [camera.fov, camera.span ?? 0].every(Number.isFinite) && width !== 0;
     return vectors && lens && Object.keys(others).length === 0 && isUsable(camera) ? { camera } : null;
   }, { camera: home });
-  take('background', 'black, white, transparent or r,g,b', (color) => {
+  take('background', 'black, white, transparent, system or r,g,b', (color) => {
     const c = typeof color === 'string' ? backgrounds[color] : color;
-    if (!Array.isArray(c) || (c.length !== 3 && c.length !== 4) || !areNumbers(c, c.length) || !areShares(c)) return null;
-    background = [...c, 1].slice(0, 4);
+    if (color !== 'system' && (!Array.isArray(c) || (c.length !== 3 && c.length !== 4) || !areNumbers(c, c.length) || !areShares(c))) return null;
+    background = c ? [...c, 1].slice(0, 4) : color;
     return {};
   }, {});
+  if (request.background === null) background = 'first';
   take('range', 'two numbers, the first below the second', (range) => (areNumbers(range, 2) && range[0] < range[1] ? {} : null), {});
   take('scale', 'auto, linear or log', (scale) => (['auto', 'linear', 'log'].includes(scale) ? {} : null), {});
   take('window', 'centre and a width above 0', (window) => (areNumbers(window, 2) && window[1] > 0 ? {} : null), {});
-  take('bands', 'rows', (bands) => (Array.isArray(bands) ? {} : null), {});
+  take('bands', bandRows, (bands) => (Array.isArray(bands) ? {} : null), {});
   take('threshold', 'a number', (value) => (Number.isFinite(value) ? {} : null), {});
   take('gradient_opacity', 'pairs of ascending magnitudes and factors from 0 to 1', (points) => (isGradient(points) ? {} : null), {});
   take('unit_distance', 'a length above 0', (value) => (isAbove(value) ? {} : null), {});
   const { light } = part, view = part.camera ?? state.camera;
   // The light of the first view: it does not turn with the camera.
   if (light?.shadows && !light.on && view) light.lights = fixedLights(light, view);
-  for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`${key}: a page has none`);
+  for (const key of Object.keys(request)) if (!taken.has(key) && request[key] !== null) problems.push(`unknown setting: ${key}`);
 
   const now = { ...state, ...part, ...shownOf(model, { ...state, ...part }) }, key = `${now.show} ${now.field}`, isElsewhere = state.asked.on !== null && state.asked.on !== key;
   const { asked, isNew, isFresh } = askedOf(isElsewhere ? {} : state.asked.words, request, problems);
@@ -284,6 +323,28 @@ export function partOfRequest(page, state, request, home) {
   return { part, background, problems };
 }
 
+const fieldName = ({ fields }, { field, part }) => fields[field].name + (['', 'view'].includes(part) ? '' : `.${part}`);
+
+/** Members of a request for the light of volumes. */
+function litAs(page, { light, clip, planes }) {
+  const { on, lights, weights, shadows, occlusion, scattering, asymmetry, clipped } = light, word = writeLights(lights), request = { light: on ? (lights.length > 0 ? word : 'head') : null };
+  if (on || shadows || occlusion) request.light_weights = weights;
+  if (shadows || page.picture.shadows) request.shadows = shadows;
+  if (shadows) Object.assign(request, { scattering, asymmetry, ...(!on && lights.length > 0 && { light_from: word }) });
+  if ((shadows || occlusion) && !clipped && (clip || planes.some((plane) => plane.on))) request.clip_lights = false;
+  if (occlusion || page.picture.ambient_occlusion) request.ambient_occlusion = occlusion;
+  return request;
+}
+
+/** Values of the members of a request, of those as well that the shown quantity has no use for. */
+export function valuesOf(page, state, shown) {
+  const model = page.models[state.model], background = page.systemBackground ? 'system' : page.background, edited = state.show === 'volume' && state.transfers[state.field];
+  return {
+    extinction: model.extinction * state.exposure, blend: state.fade, ...(state.field >= 0 && { field: fieldName(model, state) }), light_weights: state.light.weights,
+    ...litAs(page, state), ...(edited && { unit_distance: edited.unit }), ...state.asked.words, ...requestOf(page, state, shown), background,
+  };
+}
+
 /**
  * Request of the shown picture.
  * shown  {scale, size: [width, height] of the picture, background}
@@ -292,7 +353,7 @@ export function requestOf(page, state, { scale, size, background }) {
   const model = page.models[state.model], { show } = state, volume = show === 'volume';
   const map = page.maps.find(({ name }) => name === state.map), { colors, opacity } = state.reverse ? reversed(map) : map;
   const request = { show };
-  if (fieldKey(state) !== null) request.field = model.fields[state.field].name + (['', 'view'].includes(state.part) ? '' : `.${state.part}`);
+  if (fieldKey(state) !== null) request.field = fieldName(model, state);
   const edited = volume ? state.transfers[state.field] : null;
   request.tf = map.own || state.reverse ? { name: state.reverse ? `${map.name}, reversed` : map.name, colors, ...(opacity?.length && { opacity }) } : map.name;
   if (edited) {
@@ -303,15 +364,7 @@ export function requestOf(page, state, { scale, size, background }) {
     const { low, high, log, unit } = volume ? automaticRange(comparable(page, state.model), state.field) : scale;
     Object.assign(request, { range: [low, high], scale: log ? 'log' : 'linear', ...(volume && { unit_distance: unit }) });
   }
-  if (volume) {
-    const { on, lights, weights, shadows, occlusion, scattering, asymmetry, clipped } = state.light, word = writeLights(lights);
-    request.light = on ? (lights.length > 0 ? word : 'head') : null;
-    if (on || shadows || occlusion) request.light_weights = weights;
-    if (shadows || page.picture.shadows) request.shadows = shadows;
-    if (shadows) Object.assign(request, { scattering, asymmetry, ...(!on && lights.length > 0 && { light_from: word }) });
-    if ((shadows || occlusion) && !clipped && (state.clip || state.planes.some((plane) => plane.on))) request.clip_lights = false;
-    if (occlusion || page.picture.ambient_occlusion) request.ambient_occlusion = occlusion;
-  }
+  if (volume) Object.assign(request, litAs(page, state));
   if (state.clip || page.picture.clip) request.clip = state.clip ? [...state.clip.lower, ...state.clip.upper] : null;
   const planes = state.planes.filter(({ on }) => on).map(({ normal, offset }) => [...normal, offset]);
   if (planes.length > 0 || page.picture.clip_planes) request.clip_planes = planes.length > 0 ? planes : null;

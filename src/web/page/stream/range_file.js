@@ -128,7 +128,7 @@ export class RangeFile {
     const header = await this.described(bytes);
     const { tree, lattice, end } = treeOf(header, startOf(bytes).end, this.name, page, wayToWrite);
     if ((this.isWhole ? this.here.length : this.marks.size ?? end) !== end)
-      throw new Error(`${this.name}: ${this.isWhole ? this.here.length : this.marks.size} bytes, expected the ${end} of its table`);
+      throw new Error(`${this.name}: is ${this.isWhole ? this.here.length : this.marks.size} bytes long; its table says ${end} (truncated?)`);
     this.lattice = lattice;
     return [tree];
   }

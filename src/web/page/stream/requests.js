@@ -29,7 +29,7 @@ export async function answered(url, options, isFirst) {
   const answer = await fetch(url, options).catch(async (error) => {
     if (options.signal.aborted) throw error;
     if (isFirst && await isForbidden(url))
-      throw new Failure('missing', `${new URL(url).host} does not let pages of ${self.origin} read it, expected Access-Control-Allow-Origin in its answer`);
+      throw new Failure('missing', `${new URL(url).host} does not allow pages from ${self.origin}: its answer needs Access-Control-Allow-Origin`);
     throw new Failure('away', 'no connection');
   });
   const busy = answer.status >= 500 || answer.status === 429 || answer.status === 408;

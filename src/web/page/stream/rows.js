@@ -10,7 +10,8 @@ const slack = 2e-5;                                      // of numbers, by which
 export class Refused extends Error {}
 
 export function refuse(where, found, expected) {
-  const text = JSON.stringify(found) ?? 'nothing';
+  const text = JSON.stringify(found);
+  if (text === undefined) throw new Refused(`${where}: missing; expected ${expected}`);
   throw new Refused(`${where}: ${text.length > 60 ? `${text.slice(0, 57)}...` : text}, expected ${expected}`);
 }
 export const isObject = (v) => typeof v === 'object' && v !== null && !Array.isArray(v);
@@ -25,7 +26,7 @@ export function parsedJson(bytes, where) {
   try {
     return JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
   } catch {
-    throw new Refused(`${where}: ${bytes.length} bytes that are no JSON, expected the description of a site`);
+    throw new Refused(`${where}: not valid JSON; expected a site's manifest`);
   }
 }
 

@@ -14,7 +14,7 @@ import { Store, bytesOf } from './store.js';
 import { Visibility } from './visibility.js';
 
 // Half of what a page may take, 300 MB: the rest is the browser's and the picture's.
-const mostMegabytes = 150, mostGaussians = 2e6;
+export const mostMegabytes = 150, mostGaussians = 2e6;
 const slowMs = 50, fastMs = 25, mostCoarser = 64;  // frames in motion: a larger error above, a smaller one below
 const stepsAhead = 2, patienceMs = 500;            // steps in time fetched ahead; how long one that is there may stay coarse
 const perHalving = 2, sliderSteps = perHalving * Math.log2(mostError / leastError);  // of the slider of detail, finest to the right
@@ -27,7 +27,7 @@ export const placeOf = (site) => (site.file ? new RangeFile(site.file) : new Fol
 /** Promises of the bytes of files that nothing comes before. */
 export function asked(source, requests, files) {
   const list = [], all = files.map((file) => new Promise((done, fail) => {
-    list.push({ ...file, isFirst: true, done, failed: (_, reason) => fail(new Error(`${file.name}: ${reason}${file.hint ?? source.hint}`)) });
+    list.push({ ...file, isFirst: true, done, failed: (_, reason) => fail(new Error(`${file.name}: ${reason}${reason.includes('Access-Control') ? '' : file.hint ?? source.hint}`)) });
   }));
   for (const one of all) one.catch(() => {});  // whoever waits for one may not wait for the others
   requests.plan(list);
@@ -35,9 +35,10 @@ export function asked(source, requests, files) {
 }
 
 /** A line on a server that does not answer; isFirst: nor has before. */
-export const awayLine = ({ host, origin }, reason, isFirst) => (isFirst && origin !== self.origin
-  ? `No answer from ${host} that pages of ${self.origin} may read (Access-Control-Allow-Origin): it is tried again.`
-  : `No answer from ${host} (${reason}): what is here stays, and the rest is tried again.`);
+export function awayLine({ host, origin }, reason, isFirst) {
+  const mayBeForbidden = isFirst && origin !== self.origin, none = mayBeForbidden ? `, or none with Access-Control-Allow-Origin for ${self.origin}` : ` (${reason})`;
+  return `${reason.startsWith('HTTP') ? `${host} answers ${reason}` : `No answer from ${host}${none}`}; trying again.`;
+}
 
 export class Site {
   /**

@@ -12,7 +12,7 @@ export function siteOf(address) {
     wrong('an address with https:, or relative to the page');
   }
   const { href, protocol, host, pathname } = url, name = pathname.split('/').at(-1), isOfPage = protocol === location.protocol && host !== '';
-  if (!isOfPage && !/^(https?|file|blob):$/.test(protocol)) wrong(`an address of http or https, not of ${protocol.slice(0, -1)}`);
+  if (!isOfPage && !/^(https?|file|blob):$/.test(protocol)) wrong(`an address with http: or https:, not ${protocol}`);
   if (protocol === 'blob:' || /\.vogz$/i.test(name)) return { file: href };
   if (!name.includes('.')) return { manifest: 'manifest.json', base: href };
   if (/\.json$/i.test(name)) return { manifest: name, base: new URL('.', href).href };
@@ -22,11 +22,11 @@ export function siteOf(address) {
 /** Why a page cannot read from a source, in a line; '': it may. */
 export function cannotRead({ base, server }) {
   if (base.protocol === 'file:')
-    return 'The model lies in files beside this page, which browsers read from a web server only: serve the folder, as by ' +
+    return 'Browsers read models from a web server only, not from file: addresses. Serve the folder, for example with ' +
       `${server}, and open the address that it prints`;
   const isHere = ['localhost', '127.0.0.1'].includes(base.hostname);
   return location.protocol === 'https:' && base.protocol === 'http:' && !isHere
-    ? `The model lies at ${base.origin}, which browsers do not let a page of https read: expected an address of https` : '';
+    ? `Pages with https: cannot read a model with http: (${base.origin}): give the model an address with https:` : '';
 }
 
 /** A folder of chunks, each in files of its own. */
@@ -37,7 +37,7 @@ export class Folder {
     this.base.hash = this.base.search = '';
     if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
     Object.assign(this, { manifest, files });
-    this.hint = ', expected the description of a site';
+    this.hint = '; expected the manifest of a site';
     this.server = 'vog serve FOLDER';
   }
 
@@ -52,7 +52,7 @@ export class Folder {
   /** The file that describes all others; their names are of their content. */
   first() { return { ...this.file(this.manifest), cache: 'no-cache' }; }
   /** What a view begins with, beside first(). */
-  beside() { return [{ ...this.file('page.json'), cache: 'no-cache', hint: ', expected that of vog page, which writes it beside the models' }]; }
+  beside() { return [{ ...this.file('page.json'), cache: 'no-cache', hint: '; vog page MODEL -o FOLDER/ writes it beside the models' }]; }
   /** Models of what first() has brought: {models: their descriptions, steps, about: what a view begins with, where it is there}. */
   async models(bytes) { return modelsOf(bytes, this.manifest); }
   /** Trees of chunks, one a model, of what first() has brought; throws Error with a line for the reader. */

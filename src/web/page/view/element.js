@@ -1,23 +1,23 @@
 // element.js: the element <vog-view>, a view in other people's pages and in vog's own. Its attributes and properties are the words of a request.
 import { Decoder } from '../model/decoder.js';
-import { Site, asked, awayLine, placeOf } from '../stream/site.js';
+import { Site, asked, awayLine, mostGaussians, mostMegabytes, placeOf } from '../stream/site.js';
 import { Requests } from '../stream/requests.js';
-import { areNumbers, isObject, parsedJson, refuse } from '../stream/rows.js';
+import { isObject, parsedJson } from '../stream/rows.js';
 import { cannotRead, siteOf } from '../stream/source.js';
-import { pictureWords, readLink, takeWord, volumeWords } from '../link/link.js';
-import { requestOf } from '../link/request.js';
+import { pictureWords, readLink, takeText, takeWord, unsetOf, volumeWords } from '../link/link.js';
+import { joined, requestOf, valuesOf } from '../link/request.js';
 import { attachKeys } from '../input.js';
 import { Readout } from '../readout.js';
 import { numberText, shows } from '../quantity.js';
+import { pageOf } from './described.js';
 import { Viewer } from './viewer.js';
 import { motions } from './motions.js';
 
-/** Words of a view beside those of a request: their names in links, and the values of a view without them. */
-const own = {
-  model: ['model', 1], exposure: ['exposure', 1], pixel_error: ['error', 1], memory: ['memory', 150], most: ['most', 2e6], subframes: ['subframes', 8],
-  still: ['still', false],
-};
-const words = [...pictureWords, ...volumeWords, 'light_weights', 'background', ...Object.keys(own)];
+/** Words of a view beside those of a request. */
+const own = ['model', 'exposure', 'pixel_error', 'memory', 'most', 'subframes', 'still'];
+const words = [...pictureWords, ...volumeWords, 'light_weights', 'background', ...own];
+/** Name of a word in links. */
+const keyOf = (word) => (word === 'pixel_error' ? 'error' : word);
 const cameraWords = ['camera.eye', 'camera.look_at', 'camera.up', 'camera.fov_degrees', 'camera.orthographic_width'];
 const wordOf = (name) => name.replaceAll('-', '_'), hyphened = (word) => word.replaceAll('_', '-');
 const cameraNames = [...new Set([...cameraWords, ...cameraWords.map(hyphened)])];
@@ -27,6 +27,8 @@ const style = `
 :host([hidden]) { display: none; }
 canvas { position: absolute; inset: 0; width: 100%; height: 100%; outline: none; touch-action: var(--touch, pan-y); cursor: grab; user-select: none; -webkit-user-select: none; }
 canvas:active { cursor: grabbing; }
+canvas:focus { touch-action: none; }
+canvas.still { touch-action: auto; cursor: auto; }
 canvas:focus-visible { outline: 2px solid #3b82d6; outline-offset: -2px; }
 p { position: absolute; left: 12px; right: 12px; bottom: 12px; margin: 0 auto; padding: 6px 12px; border-radius: 8px; width: fit-content; box-sizing: border-box;
 overflow-wrap: anywhere; background: #16191d; color: #e8eaed; }
@@ -34,37 +36,6 @@ p.light { background: #fff; color: #1c2126; box-shadow: 0 0 0 1px rgb(0 0 0 / .2
 p[hidden] { display: none; }
 span { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; }
 `;
-
-/** Throws unless numbers are where a view needs them. */
-function checkNumbers(of, counts, where) {
-  for (const [key, count] of Object.entries(counts))
-    if (!areNumbers(count > 1 ? of?.[key] : [of?.[key]], count)) refuse(`${where}: ${key}`, of?.[key], count > 1 ? `${count} numbers` : 'a number');
-}
-
-/**
- * The page of models that are nothing but an address.
- * about   what a view of them begins with, as vog page and vog pack have written it: {camera, upright, chosenView, models}
- * models  their descriptions
- * site    of Site
- */
-function pageOf({ lightWeights, ...given }, about, models, { steps, ...site }, name) {
-  if (!isObject(about) || !Array.isArray(about.models) || about.models.length !== models.length)
-    refuse(`${name}: page`, about ?? undefined, `that of ${site.file ? 'vog pack MODEL -o FILE.vogz --hierarchy --deflate' : 'vog page MODEL -o FOLDER/'}`);
-  const { camera, upright, chosenView, models: entries } = about;
-  checkNumbers(about, { upright: 3 }, name);
-  checkNumbers(camera, { eye: 3, look_at: 3, up: 3 }, `${name}: camera`);
-  entries.forEach((entry, n) => {
-    const where = `${name}: models[${n}]`;
-    checkNumbers(entry, { center: 3, unit: 1, cutoff: 1, limits: 4, subframeLimits: 4, extinction: 1, lowColumn: 1, mostColumn: 1 }, where);
-    checkNumbers(entry.box, { center: 3, half: 3, radius: 1 }, `${where}.box`);
-    if (!Array.isArray(entry.fields)) refuse(`${where}.fields`, entry.fields, 'a list');
-    entry.fields.forEach((field, k) => checkNumbers(field, { lower: 1, upper: 1, reference: 1, scale: 1, ...(!field?.vector && { unitDistance: 1, values: 2 }) }, `${where}.fields[${k}]`));
-  });
-  return {
-    ...given, maps: [...given.maps], title: models[0].name, picture: { camera, light_weights: lightWeights }, upright, chosenView: chosenView === true,
-    systemBackground: false, background: [0, 0, 0, 0], steps, site, models: entries.map((entry, n) => ({ ...entry, name: models[n].name, levels: [] })),
-  };
-}
 
 /**
  * The class of the element.
@@ -86,8 +57,10 @@ export function elementOf(given) {
     #ready = null;
     #hiding = 0;
     #frame = 0;
+    #readout = null;
     #isFlat = false;
-    #isBegun = false;    // whether `ready` waits for a model, or has one
+    #isBegun = false;    // whether `ready` waits for a model, has one, or has lost it
+    #internals = this.attachInternals?.();
 
     constructor() {
       super();
@@ -97,6 +70,7 @@ export function elementOf(given) {
       this.#line.setAttribute('role', 'status');
       this.#line.hidden = true;
       this.#described.id = 'described';
+      this.#described.setAttribute('aria-hidden', 'true');  // heard with the canvas, and once
       root.append(this.#line, this.#described);
       this.#renew();
     }
@@ -118,27 +92,23 @@ export function elementOf(given) {
       queueMicrotask(() => { if (!this.isConnected) this.dispose(); });
     }
     attributeChangedCallback(name, before, value) {
+      if (name === 'src' && !(before === value && this.#opening)) return this.#reopen();
       if (before === value) return;
-      if (name === 'src') return this.#reopen();
       if (name === 'label') return this.#describe();
-      const word = wordOf(name), found = nothing();
-      if (word.startsWith('camera')) {
-        // What the removed attribute said is the first view's again.
-        if (value === null) this.#take({ ...nothing(), request: { camera: null } });
-        found.request.camera = this.#cameraOfAttributes();
-      }
-      else if (value === null && own[word]) takeWord(found, ...own[word]);
-      else Object.assign(found, readLink(`#${own[word]?.[0] ?? word}${value === '' ? '' : `=${encodeURIComponent(value ?? '')}`}`));
-      this.#take(found);
+      const word = wordOf(name), found = nothing(), isCamera = word.startsWith('camera');
+      // What a removed attribute said is the default's again.
+      if (value === null) this.set({ [isCamera ? 'camera' : word]: null });
+      const names = isCamera ? ['camera', ...cameraNames] : [name];
+      this.#take(this.#takenOf(names.filter((one) => this.hasAttribute(one)), found));
     }
-    #cameraOfAttributes() {
-      const read = (name) => readLink(`#${wordOf(name)}=${encodeURIComponent(this.getAttribute(name))}`).request.camera;
-      const given = ['camera', ...cameraNames].filter((name) => this.hasAttribute(name)).map(read);
-      return given.length > 0 ? Object.assign({}, ...given) : null;
+    /** Takes attributes into the answer of readLink. */
+    #takenOf(names, found) {
+      for (const name of names) takeText(found, keyOf(wordOf(name)), this.getAttribute(name) || true, wordOf(name));
+      return found;
     }
 
     get src() { return this.getAttribute('src') ?? ''; }
-    set src(address) { this.setAttribute('src', address); }
+    set src(address) { this.setAttribute('src', address ?? ''); }
     /** The files of a site's folder in place of an address: (name) => bytes, or their promise. */
     get files() { return this.#files; }
     set files(read) {
@@ -146,7 +116,7 @@ export function elementOf(given) {
       this.#reopen();
     }
     get label() { return this.getAttribute('label') ?? ''; }
-    set label(text) { this.setAttribute('label', text); }
+    set label(text) { this.setAttribute('label', text ?? ''); }
 
     // --- The author's side. ---
 
@@ -159,30 +129,33 @@ export function elementOf(given) {
       if (!isObject(settings)) return this.#take({ ...found, problems: [`set(${settings}): expected words, as { show: 'T' }`] });
       for (const [key, value] of Object.entries(settings)) {
         const word = wordOf(key);
+        if (value === undefined) continue;
         if (word === 'size') found.request.size = value;  // to read the camera by
-        else if (words.includes(word)) takeWord(found, own[word]?.[0] ?? word, value);
+        else if (words.includes(word)) takeWord(found, keyOf(word), value, word);
         else found.problems.push(`${key}: expected one of ${words.join(', ')}`);
       }
       return this.#take(found);
     }
     /** Value of a word. */
     get(word) {
-      const view = this.#view, [key] = own[word] ?? [];
-      if (!view || !key) return this.request?.[word] ?? this.#asked.request[word] ?? this.#asked.settings[key] ?? own[word]?.[1] ?? null;
-      if (key === 'model') return view.state.model + 1;
-      return (key === 'error' ? view.state.pixelError : view.state[key]) ?? own[word][1];
+      const view = this.#view, { settings, request } = this.#asked, usual = { memory: mostMegabytes, most: mostGaussians }[word];
+      if (!own.includes(word)) return (view ? valuesOf(view.page, view.state, this.#shown) : request)[word] ?? null;
+      if (!view) return settings[keyOf(word)] ?? unsetOf(keyOf(word)) ?? usual;
+      return { ...view.state, model: view.state.model + 1, pixel_error: view.state.pixelError }[word] ?? usual;
+    }
+    get #shown() {
+      const { canvas: { width, height }, page: { background }, scale } = this.#view;
+      return { scale, size: [width, height], background };
     }
 
     /** The request of the picture, as set() takes it; null before there is a model. */
     get request() {
       const view = this.#view;
-      if (!view) return null;
-      const { canvas: { width, height }, page: { background } } = view;
-      return requestOf(view.page, view.state, { scale: view.scale, size: [width, height], background });
+      return view && requestOf(view.page, view.state, this.#shown);
     }
     /** The same as a link's words, from # on, for pages and `vog render --request`. */
     get link() { return this.#view?.link ?? ''; }
-    set link(text) { this.#take(readLink(text)); }
+    set link(text) { this.#take(readLink(`${text}`)); }
     /** What there is to be shown: [{name, shows, fields: [{name, unit, lower, upper}]}]. */
     get models() {
       const fieldOf = ({ name, unit, lower, upper }) => ({ name, unit, lower, upper });
@@ -200,7 +173,8 @@ export function elementOf(given) {
     async picture() {
       await this.#ready;
       const view = this.#view;
-      if (!view) throw new Error('there is no model');
+      if (!view || !this.isConnected) throw new Error('the view has been removed');
+      if (view.canvas.clientWidth * view.canvas.clientHeight === 0) throw new Error('the element is hidden or has no size: show it first');
       await view.settled();
       return new Promise((done, fail) => {
         view.snapshot().toBlob((blob) => (blob ? done(blob) : fail(new Error('the browser has no memory for the picture'))), 'image/png');
@@ -208,14 +182,24 @@ export function elementOf(given) {
     }
 
     /** Ends: frees memory, ends the worker and what is under way. Another src begins anew. */
-    dispose() {
+    dispose() { this.#end('the view has been removed', true); }
+    /** Rejects `ready` where it waits; isLast: and what `ready` is from now on. */
+    #end(reason, isLast) {
+      const error = new Error(reason);
       this.#opening?.abort();
       this.#view?.dispose();
       this.#view?.canvas.remove();
-      this.#opening = this.#view = null;
+      this.#opening = this.#view = this.#readout = null;
       cancelAnimationFrame(this.#frame);
       this.#frame = 0;
       this.#say('', 0);
+      this.#describe();
+      if (this.#isBegun) {
+        this.#settle.reject(error);
+        this.#renew();
+      }
+      if (isLast) this.#settle.reject(error);
+      this.#isBegun = isLast;
     }
 
     // --- Opening. ---
@@ -226,20 +210,15 @@ export function elementOf(given) {
     }
 
     #reopen() {
-      this.dispose();
-      if (!this.isConnected) return;
-      const has = Boolean(this.src || this.#files);
-      if (this.#isBegun) {
-        this.#settle.reject(new Error(has ? 'another model is opened' : 'no model'));
-        this.#renew();
-      }
-      this.#isBegun = has;
-      if (!has) return;
+      this.#end('another model is opened', false);
+      this.#isBegun = this.isConnected && Boolean(this.src || this.#files);
+      if (!this.#isBegun) return;
       const { signal } = this.#opening = new AbortController();
       this.#open(signal).catch((error) => { if (!signal.aborted) this.#fail(`The model cannot be read: ${error.message}.`); });
     }
 
     async #open(signal) {
+      if (this.#files && typeof this.#files !== 'function') throw new Error('files: expected a function (name) => bytes');
       const site = this.#files ? { manifest: 'manifest.json', base: 'files:/', files: this.#files } : siteOf(this.src), source = placeOf(site), line = cannotRead(source);
       if (line) return this.#fail(`${line}.`);
       const requests = new Requests({ changed() {}, away: (isAway, reason) => this.#warn(isAway ? awayLine(source.base, reason, true) : '', 0) });
@@ -256,8 +235,9 @@ export function elementOf(given) {
       // The wheel and vertical swipes are the surrounding page's until the picture has been clicked.
       view.state.embed = true;
       attachKeys(view.canvas, motions(view), view.ended.signal);
-      new Readout(view.canvas, view, (lines) => this.#tell('probe', { lines }));
-      this.#apply(this.#asked);
+      this.#readout = new Readout(view.canvas, view, (lines) => this.#tell('probe', { lines }));
+      const { problems } = this.#takenOf(own.map(hyphened).filter((name) => this.hasAttribute(name)), nothing());
+      this.#apply({ ...this.#asked, problems });
       this.#describe();
       view.start();
     }
@@ -268,15 +248,16 @@ export function elementOf(given) {
      */
     around(page, { Models, panel, tell = {} }) {
       const canvas = document.createElement('canvas');
-      canvas.tabIndex = 0;
       canvas.setAttribute('role', 'img');
       canvas.setAttribute('aria-describedby', 'described');
-      this.#name(canvas, page);
+      this.#name(canvas, page, { model: 0, still: false });
       this.shadowRoot.prepend(canvas);
       const view = this.#view = new Viewer(canvas, { page, shaders: given.shaders, decoder: new Decoder(() => this.constructor.worker()), Models, panel }, {
         say: (text, seconds) => this.#warn(text, seconds), fail: (text) => this.#fail(text), resized: () => this.#resized(canvas), playing: () => false,
         status: (status) => this.#tell('progress', status), ground: (name) => { this.#line.className = name; }, ...tell,
+        reopen: () => this.#reopen(),
         shown: () => {
+          this.#name(canvas, page, view.state);
           tell.shown?.();
           this.#changed();
         },
@@ -287,6 +268,7 @@ export function elementOf(given) {
         drawn: (count) => {
           this.#settle.resolve(this);
           this.#describe();
+          this.#readout?.renew();
           tell.drawn?.(count);
         },
       });
@@ -297,20 +279,16 @@ export function elementOf(given) {
     // --- Changes. ---
 
     #take(found) {
-      Object.assign(this.#asked.settings, found.settings);
-      const { size, ...request } = found.request;
-      Object.assign(this.#asked.request, request);
-      return this.#apply(found);
+      const problems = this.#apply(found), { model, ...settings } = found.settings;
+      Object.assign(this.#asked.settings, settings, model <= (this.#view?.page.models.length ?? Infinity) && { model });
+      this.#asked.request = joined(this.#asked.request, found.request, problems, this.#view?.state.asked.words);
+      return problems;
     }
 
     #apply({ settings, request, problems: before }) {
-      const view = this.#view, { background, ...others } = request, isSystem = background === 'system', { clientWidth, clientHeight } = view?.canvas ?? {};
+      const view = this.#view, { clientWidth, clientHeight } = view?.canvas ?? {};
       // The lens of view.camera is that of the canvas.
-      const problems = view ? view.apply({ settings, request: { size: [clientWidth, clientHeight], ...(isSystem ? others : request) }, problems: before }) : before;
-      if (view && isSystem) {
-        view.page.systemBackground = true;
-        view.followSystem();
-      }
+      const problems = view ? view.apply({ settings, request: { ...request, size: request.size ?? [clientWidth, clientHeight] }, problems: before }) : before;
       if (problems.length > 0) this.#warn(`Not in this picture: ${problems.join('; ')}`, 12);
       return problems;
     }
@@ -348,23 +326,26 @@ export function elementOf(given) {
     }
     /** There is no picture. */
     #fail(text) {
-      this.dispose();
+      this.#end(text, true);
       this.#say(text, 0);
-      this.#settle.reject(new Error(text));
       this.#tell('error', { message: text, fatal: true });
     }
 
     /** Names the canvas for those who hear it, before its first picture too. */
-    #name(canvas, { title }) {
-      canvas.setAttribute('aria-label', `${this.label || title}. Drag or press arrow keys to turn, pinch or press W and S to come nearer.`);
+    #name(canvas, { title, models }, { model, still }) {
+      const name = this.label || (models.length > 1 ? models[model].name : title);
+      canvas.setAttribute('aria-label', `${name.trim().replace(/\.$/, '')}.${still ? '' : ' Drag or press arrow keys to turn, pinch or press W and S to come nearer.'}`);
+      canvas.classList.toggle('still', still);
+      canvas.tabIndex = still ? -1 : 0;
     }
     /** What is seen, for those who hear it. */
     #describe() {
       const view = this.#view;
+      if (this.#internals) Object.assign(this.#internals, { role: !view && this.label ? 'group' : null, ariaLabel: view ? null : this.label || null });
       if (!view) return;
       const { show, field, camera, map } = view.state, name = shows(view.model).find(([one]) => one === show)[1], of = show === 'T' || show === 'column' ? '' : ` of ${view.model.fields[field]?.name}`;
       const from = camera.eye.map((v, k) => numberText(v - camera.at[k])).join(', ');
-      this.#name(view.canvas, view.page);
+      this.#name(view.canvas, view.page, view.state);
       this.#described.textContent = `${name}${of} in ${map}, ${view.count.toLocaleString('en')} Gaussians, seen from ${from}.`;
     }
   }

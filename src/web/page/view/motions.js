@@ -11,14 +11,14 @@ export const leastDistance = (view) => 0.02 * view.box.radius;
 
 /** Commands by their keys, as attachKeys takes them. */
 export function motions(view) {
-  const moved = (to) => (event) => { if (!view.state.still) view.move(to(view.state.camera, event)); };
+  const moved = (to) => (event) => view.move(to(view.state.camera, event));
   const fly = (...way) => moved((camera) => flown(camera, ...mul(0.05 * view.box.radius, way)));
   const turn = (x, y) => moved((camera) => orbited(camera, x * degrees5, y * degrees5));
   const roll = (sign) => moved((camera) => rolled(camera, sign * degrees5));
   const look = (axis) => moved((camera, event) => seenFrom(camera, view.box, axis, event.shiftKey ? -1 : 1, view.page.upright));
   const expose = (factor) => () => view.change({ exposure: factor ? Math.max(1 / 64, Math.min(64, view.state.exposure * factor)) : 1 });
   const detail = (step) => () => view.change(view.source.detailed(view.source.detail().value + step));
-  return {
+  const commands = {
     w: fly(0, 0, 1), s: fly(0, 0, -1), a: fly(-1, 0, 0), d: fly(1, 0, 0), pageup: fly(0, 1, 0), pagedown: fly(0, -1, 0),
     arrowleft: turn(-1, 0), arrowright: turn(1, 0), arrowup: turn(0, 1), arrowdown: turn(0, -1), q: roll(-1), e: roll(1),
     Digit1: look(0), Digit2: look(1), Digit3: look(2), Digit5: moved(withOtherProjection),
@@ -27,6 +27,7 @@ export function motions(view) {
     m: (event) => nextMap(view, event.shiftKey ? -1 : 1), i: () => view.change({ reverse: !view.state.reverse }), b: () => view.change({ fade: !view.state.fade }),
     n: () => view.change({ model: (view.state.model + 1) % view.page.models.length }),
   };
+  return Object.fromEntries(Object.entries(commands).map(([key, command]) => [key, (event) => !view.state.still && command(event)]));
 }
 
 function nextMap(view, step) {

@@ -10,6 +10,7 @@ import { Probe, rayOf } from '../picture/probe.js';
 import { automaticScale, automaticTransfer, comparable, fieldPlace, inSlabs, quantityNumber, sumsOf } from '../quantity.js';
 import { changedState, firstState, partOfLink, writeLink } from '../link/link.js';
 import { attachPointers } from '../input.js';
+import { attachContext, freeContext } from './context.js';
 
 const restMs = 200;       // time without motion or edits after which the picture counts as at rest
 const slowMs = 50;        // frames that take longer have fewer pixels during edits, where not all their sums have room
@@ -25,13 +26,14 @@ export class Viewer {
    *        panel: whether controls are shown}
    * tell   {shown(): the state has changed; resized(); drawn(count): a picture at rest; took(ms): a frame; say(text, seconds): a notice, 0 until the
    *        next; fail(text): no picture; status(of site.js); ground(color): of the background; playing(): whether steps in time run;
-   *        probed(): the readout may be shown anew}
+   *        reopen(): the view, from its beginning, as its context does not come back}
    */
   constructor(canvas, { page, shaders, decoder, Models, panel }, tell) {
     Object.assign(this, { canvas, page, shaders, decoder, tell, state: firstState(page, panel), renderer: null, slabs: null, half: false, lost: false });
     Object.assign(this, { automatic: null, drawn: null, count: 0, loads: 0, moving: 0, editing: 0, edited: false, coarse: false, inMotion: false, isHalved: false });
     Object.assign(this, { frame: 0, inFlight: false, frameMs: 0, stale: false, waiting: [], ended: new AbortController(), probe: new Probe() });
     this.authored = this.state.camera;
+    this.ground = { background: page.background, systemBackground: page.systemBackground };
     this.system = matchMedia('(prefers-color-scheme: light)');
     this.source = new Models(page, decoder, {
       state: () => this.state, renderer: () => (this.lost ? null : this.renderer), size: () => [canvas.width, canvas.height],
@@ -45,7 +47,8 @@ export class Viewer {
   /** Begins: the first frame, and the loading of what it shows. */
   start() {
     const { signal } = this.ended;
-    this.attach();
+    attachPointers(this.canvas, this, signal);
+    attachContext(this, signal);
     this.restart();
     if (signal.aborted) return;
     this.system.addEventListener('change', () => this.followSystem(), { signal });
@@ -57,6 +60,7 @@ export class Viewer {
 
   /** Ends: frees the GPU's memory, the worker, and what is under way. */
   dispose() {
+    freeContext(this);
     this.lost = true;
     this.ended.abort();
     this.size.disconnect();
@@ -228,8 +232,7 @@ export class Viewer {
       this.renderer = new Renderer(this.canvas, this.shaders, this.half);
     } catch (error) {
       this.renderer = null;
-      this.tell.fail(`No picture here: ${error.message}. A current Firefox, Chrome or Safari on a computer or ` +
-          'phone of the last years can show it.');
+      this.tell.fail(`No picture here: ${error.message}. Try a recent version of Firefox, Chrome or Safari.`);
       return;
     }
     this.slabs = null;
@@ -247,7 +250,7 @@ export class Viewer {
 
   /** Has all that the state shows decoded, coarse first. */
   load() {
-    if (this.loads++ > 0 && !this.page.steps) this.tell.say('');
+    if (this.loads++ > 0 && !this.page.steps && !this.lost) this.tell.say('');
     this.source.load().catch((error) => this.tell.fail(`The page cannot be read: ${error.message}.`));
   }
 
@@ -330,16 +333,16 @@ export class Viewer {
     return problems;
   }
 
-  setBackground(color) {
-    this.page.systemBackground = false;
-    this.page.background = color;
+  /** Sets a background of partOfRequest; 'system' is black or white, as the system is dark or light. */
+  setBackground(background) {
+    const { page } = this;
+    Object.assign(page, background === 'first' ? this.ground : { background, systemBackground: background === 'system' });
+    if (page.systemBackground) page.background = this.system.matches ? [1, 1, 1, 1] : [0, 0, 0, 1];
     this.showGround();
   }
-  /** Black or white, as the system is dark or light. */
   followSystem() {
     if (!this.page.systemBackground) return;
-    this.page.background = this.system.matches ? [1, 1, 1, 1] : [0, 0, 0, 1];
-    this.showGround();
+    this.setBackground('system');
     this.change({});
   }
   /** Tells what texts lie on: 'light', 'dark', or 'clear' for a transparent background. */
@@ -377,24 +380,5 @@ export class Viewer {
     if (!this.ready || !this.drawn) return null;
     const { width } = this.renderer;  // less than the canvas's in motion
     return this.renderer.sumsAt(...pixel.map((v) => Math.floor((v * width) / this.canvas.width)));
-  }
-
-  // --- Events of the canvas. ---
-
-  attach() {
-    const { canvas } = this, { signal } = this.ended;
-    attachPointers(canvas, this, signal);
-    canvas.addEventListener('webglcontextlost', (event) => {
-      if (signal.aborted) return;
-      event.preventDefault();
-      this.lost = true;
-      this.tell.say('The graphics driver restarts …', 0);
-    }, { signal });
-    canvas.addEventListener('webglcontextrestored', () => {
-      this.lost = false;
-      this.tell.say('');
-      this.restart();
-      this.redraw();
-    }, { signal });
   }
 }

@@ -43,21 +43,23 @@ export interface PictureSettings {
 /** Words of a view alone. */
 export interface ViewSettings {
   /** Which of several models, 1 the first. */
-  model?: number;
+  model?: number | null;
   /** Factor on the extinction of T, 1/64 to 64. */
-  exposure?: number;
+  exposure?: number | null;
   /** Error that coarse parts may have, pixels of the screen, 0.5 to 32. */
-  pixel_error?: number;
+  pixel_error?: number | null;
   /** Largest memory, MB. */
-  memory?: number;
+  memory?: number | null;
   /** Largest number of Gaussians. */
-  most?: number;
+  most?: number | null;
   /** Sub-frames that smooth a picture at rest, 1 to 64; with 1 it is `vog render`'s. */
-  subframes?: number;
-  /** Whether hands and keys move nothing. */
-  still?: boolean;
+  subframes?: number | null;
+  /** Whether hands and keys change nothing. */
+  still?: boolean | null;
 }
 export interface Settings extends PictureSettings, ViewSettings {}
+/** Value of a word now: the view's own words always have one. */
+export type Value<Word extends keyof Settings> = NonNullable<Settings[Word]> | (Word extends keyof ViewSettings ? never : null);
 
 export interface ViewEvents {
   change: { request: PictureSettings & { size: [number, number] } };
@@ -76,7 +78,11 @@ export interface ViewModel {
 }
 
 type Words = { [Word in keyof Settings]-?: NonNullable<Settings[Word]> | null };
-export interface VogView extends Words {}
+export interface VogView extends Words {
+  addEventListener<Name extends keyof ViewEvents>(name: Name, listener: (this: VogView, event: CustomEvent<ViewEvents[Name]>) => void, options?: boolean | AddEventListenerOptions): void;
+  addEventListener<Name extends keyof HTMLElementEventMap>(name: Name, listener: (this: VogView, event: HTMLElementEventMap[Name]) => void, options?: boolean | AddEventListenerOptions): void;
+  addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
+}
 export class VogView extends HTMLElement {
   /** Makes the worker that decodes; where it throws, the page's own thread decodes. */
   static worker: () => Worker;
@@ -89,8 +95,9 @@ export class VogView extends HTMLElement {
   readonly request: ViewEvents['change']['request'] | null;
   link: string;
   readonly models: ViewModel[];
-  set(settings: Settings): string[];
-  get<Word extends keyof Settings>(word: Word): Settings[Word];
+  /** size: of the picture that a camera of another view is for, as in `request`. */
+  set(settings: Settings & { size?: [number, number] }): string[];
+  get<Word extends keyof Settings>(word: Word): Value<Word>;
   on<Name extends keyof ViewEvents>(name: Name, listener: (detail: ViewEvents[Name]) => void): () => void;
   picture(): Promise<Blob>;
   dispose(): void;
