@@ -30,7 +30,7 @@ def from_yt(
     ds: Any,
     field: Any = ("gas", "density"),
     *,
-    fields: "Optional[Sequence[Any]]" = None,
+    fields: Any = None,
     level: Optional[int] = None,
     unit: Optional[str] = None,
     skip_nonfinite: bool = False,
@@ -40,7 +40,7 @@ def from_yt(
 
     ds              data set of yt.load: patch-based codes (Enzo, FLASH, Athena, Boxlib); with `level` also octree codes and particles
     field           name of the field: 'density' or ('gas', 'density'); 'volume': 1 everywhere, for fields of any sign
-    fields          names of further fields, in their own units, 'velocity' for the vector of three: the result is then a pair of
+    fields          names of further fields, in their own units, or {name: field}, 'velocity' for the vector of three: the result is then a pair of
                     data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save
     level           None: all levels, where finer ones hide coarser ones; 0, 1, ...: a covering grid of the domain at the cell
                     size of that level, as one Volume

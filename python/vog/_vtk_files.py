@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _vog
 from ._files import At, beside
-from ._grids import density_of, lattice, lead_of, named, one_grid
+from ._grids import by_name, density_of, lattice, lead_of, named, one_grid
 from ._packages import need
 
 # Readers of VTK's own, by which its files are read without pyvista.
@@ -270,7 +270,7 @@ def _with_density(path: str, leaves: "List[Any]", density: str) -> "tuple[List[A
     return kept, density
 
 
-def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]", thickness: float, clip: bool) -> Any:
+def _cells(path: str, leaves: "List[Any]", density: str, fields: Any, thickness: float, clip: bool) -> Any:
     """Cells of all blocks, with density and fields of their points or cells; of one name in both, those of the cells."""
     leaves, density = _with_density(path, leaves, density)
     mesh = _mesh_of(path, leaves)
@@ -291,7 +291,7 @@ def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]"
         main = values[density]
         main = {**main, "value": np.maximum(main["value"], 0) if clip else main["value"]}
     return _vog.Cells(
-        mesh.points, mesh.corners, mesh.types, main, ends=mesh.ends, fields={name: field(name) for name in fields},
+        mesh.points, mesh.corners, mesh.types, main, ends=mesh.ends, fields={name: field(array) for name, array in by_name(fields).items()},
         thickness=thickness, name=density, source=path,
     )  # fmt: skip
 
@@ -312,7 +312,7 @@ def _outside(data: Any, shape: Any, cells: bool) -> Any:
 
 
 def read_vtk(
-    path: str, wanted: str, at: At, density: str = "", fields: "Optional[Sequence[str]]" = None, thickness: "Optional[float]" = None, clip_negative: bool = False
+    path: str, wanted: str, at: At, density: str = "", fields: Any = None, thickness: "Optional[float]" = None, clip_negative: bool = False
 ) -> Any:
     """Arrays of an even grid, of its points or, where the density is theirs, of its cells; Cells of every other mesh."""
     leaves = leaves_of(dataset(path, at))
@@ -320,7 +320,7 @@ def read_vtk(
         raise _vog.Error(f"{path}: no arrays of numbers at points or in cells, expected one at least")
     places = _places(leaves[0]) if len(leaves) == 1 else None
     if places is None:
-        return _cells(path, leaves, density, fields or [], thickness or 0.0, clip_negative)
+        return _cells(path, leaves, density, fields, thickness or 0.0, clip_negative)
     (shape, matrix), data = places, leaves[0]
     points, cells = arrays_of(data.GetPointData()), arrays_of(data.GetCellData())
     in_cells = not points or (bool(cells) and lead_of(list({**points, **cells}), wanted, path)[0] in cells)
