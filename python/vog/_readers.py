@@ -189,18 +189,40 @@ def valid_limits(array: Any) -> "tuple[float, float]":
     return low, high
 
 
+# Values of NetCDF's types where none was written and the file states no _FillValue, which xarray leaves as they are.
+_UNWRITTEN = {"f4": 9.969209968386869e36, "f8": 9.969209968386869e36, "i2": -32767, "u2": 65535, "i4": -2147483647, "u4": 4294967295}
+
+
+def unwritten(array: Any) -> Any:
+    """The value of a DataArray from NetCDF where none was written; None where the file states it, or has none."""
+    encoding = array.encoding
+    if "_FillValue" in encoding or "missing_value" in encoding or ("source" not in encoding and array.dtype.kind != "f"):
+        return None
+    value = _UNWRITTEN.get(np.dtype(encoding.get("dtype", array.dtype)).str[1:])
+    return None if value is None else value * encoding.get("scale_factor", 1) + encoding.get("add_offset", 0)
+
+
 def valid(values: Any, array: Any) -> Any:
-    """Values of a DataArray, NaN beyond its valid limits."""
+    """Values of a DataArray, NaN beyond its valid limits and where none was written."""
     ends = valid_limits(array)
     # The limits are valid, rounded as the values are.
     slack = 1e-6 * max([abs(end) for end in ends if np.isfinite(end)], default=0.0)
     beyond = (values < ends[0] - slack) | (values > ends[1] + slack)
+    fill = unwritten(array)
+    if fill is not None:
+        beyond |= np.isclose(values, fill, rtol=1e-6, atol=0)
     return np.where(beyond, np.nan, values) if beyond.any() else values
 
 
 # Names of dimensions along x and y, and of those that are no places.
 _X, _Y = ("x", "lon", "longitude"), ("y", "lat", "latitude")
 _NO_PLACES = ("t", "time", "valid_time", "step", "member", "ensemble", "number", "realization", "run", "c", "channel", "band")
+def unit_of(coordinate: Any) -> str:
+    """Unit of a coordinate, whose metres have one name."""
+    unit = str(coordinate.attrs.get("units", ""))
+    return "m" if unit.lower() in ("metre", "metres", "meter", "meters") else unit
+
+
 # Units of coordinates that shrink upwards.
 _PRESSURES = ("Pa", "hPa", "kPa", "mbar", "mb", "millibar", "millibars", "bar", "dbar")
 
@@ -259,7 +281,7 @@ def oriented(array: Any, dims: Optional[Sequence[str]], voxel_size: Any) -> "tup
             start, step = start + step * (lengths[name] - 1), -step
         first.append(start)
         edge.append(step)
-        units.append(str(array.coords[name].attrs.get("units", "")) if has else "")
+        units.append(unit_of(array.coords[name]) if has else "")
     if voxel_size is not None:
         return array, dims, voxel_size, None, None
     if len(set(units)) > 1:
