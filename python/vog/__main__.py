@@ -16,7 +16,7 @@ import warnings
 from typing import Any, List
 
 from ._grids import Grids, density_of, write_scan
-from ._load import DICOM, OME, YT, kind_of, load, read
+from ._load import DICOM, OME, YT, kind_of, load, read, reading
 from ._vtk_files import arrays_of, dataset, leaves_of, read_vtk
 from ._vog import Cells, Error, Gaussians, Levels, Volume, convert, memory_limit
 
@@ -188,13 +188,16 @@ def main(words: "List[str]") -> int:
     try:
         if inputs and (inputs[0] == 0 or words[0] == "info"):
             for n in inputs:
-                _list(words[n], Options(list(words)).given)
+                with reading(words[n]):
+                    _list(words[n], Options(list(words)).given)
             return 0
         with tempfile.TemporaryDirectory(prefix="vog-") as folder:
             options = Options(list(words))
             options.drop(*(["--at", "--load"] if inputs else []))
-            with _limited(options):
-                made = {n: _written(words[n], folder, options) for n in inputs}
+            made = {}
+            for n in inputs:
+                with _limited(options), reading(words[n]):
+                    made[n] = _written(words[n], folder, options)
             line = [file for n, word in enumerate(options.words) for file in made.get(n, [word] if word else [])]
             for option in ("--grid", "--field") if inputs else ():
                 for n in range(1, len(line)):

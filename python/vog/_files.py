@@ -45,8 +45,8 @@ def read_numpy(path: str, voxel_size: Any) -> Grids:
     """Arrays [X, Y, Z] or [X, Y, Z, 3] of a .npy or .npz."""
     try:
         loaded = np.load(path, mmap_mode="r")
-    except (ValueError, EOFError, OSError) as error:
-        raise _vog.Error(f"{path}: not an array of numbers: {error}") from None
+    except (ValueError, EOFError) as error:
+        raise _vog.Error(f"{path}: not an array of numbers: {str(error).split('. ')[0]}") from None
     arrays = {"density": loaded} if isinstance(loaded, np.ndarray) else {}
     for name in getattr(loaded, "files", ()):
         try:
@@ -69,10 +69,7 @@ def _text(value: Any) -> Any:
 def read_hdf5(path: str, wanted: str, at: At, voxel_size: Any) -> Any:
     """Arrays of three axes in HDF5, by their paths in the file; particles of a snapshot; data sets that yt knows."""
     h5py = need("h5py", f"load: {path}")
-    try:
-        file = h5py.File(path)
-    except OSError as error:
-        raise _vog.Error(f"{path}: not a file of HDF5: {error}") from None
+    file = h5py.File(path)
     if "openPMD" in file.attrs:
         return read_openpmd(path, wanted, at)
     beside(path, {}, at)
@@ -100,7 +97,7 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
     except Exception as error:  # each engine has exceptions of its own
         if type(error).__name__ == "ContainsArrayError":
             raise _vog.Error(f"{path}: an array of Zarr without names of axes; vog.Volume.from_numpy(zarr.open({path!r})[:]) takes it") from None
-        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        text = str(error).splitlines()[0].split(". ")[0] if str(error) else type(error).__name__
         raise _vog.Error(f"{path}: xarray cannot read it: {text} (NetCDF needs netcdf4 or h5netcdf, GRIB cfgrib, Zarr zarr)") from None
     variables = {str(name): array for name, array in data.data_vars.items()}
     if not variables:  # those of groups, by their paths
@@ -186,6 +183,8 @@ def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
     if isinstance(level, bool) or not 0 <= level < len(levels):
         raise _vog.Error(f"{path}: level {level}, expected 0 to {len(levels) - 1}")
     array = levels[level]
+    if array.ndim != len(names):
+        raise _vog.Error(f"{path}: axes {', '.join(names)} of an array with {array.ndim} axes; its metadata must name each")
     scale, place = np.ones(len(axes)), np.zeros(len(axes))
     for step in (*image["datasets"][level].get("coordinateTransformations", ()), *image.get("coordinateTransformations", ())):
         factor = np.asarray(step.get("scale", 1.0), float)
@@ -306,10 +305,7 @@ def read_dicom(path: str) -> Grids:
 def read_openpmd(path: str, wanted: str, at: At) -> Grids:
     """Meshes of one iteration of openPMD along x, y and z: E_x or rho."""
     io = need("openpmd_api", f"load: {path}")
-    try:
-        series = io.Series(path, io.Access.read_only)
-    except Exception as error:  # each back end has exceptions of its own
-        raise _vog.Error(f"{path}: openpmd_api cannot read it: {str(error).splitlines()[0] if str(error) else type(error).__name__}") from None
+    series = io.Series(path, io.Access.read_only)
     steps = sorted(series.iterations)
     iteration = series.iterations[steps[beside(path, {"iteration": len(steps)}, at)["iteration"]]]
     parts = {(name if part == io.Mesh_Record_Component.SCALAR else f"{name}_{part}"): (mesh, mesh[part])
@@ -346,8 +342,4 @@ def read_yt(path: str) -> Any:
     yt = need("yt", f"load: {path}")
     yt.set_log_level("error")
     yt.config.ytcfg["yt", "suppress_stream_logging"] = True  # no bars of progress
-    try:
-        return yt.load(path)
-    except Exception as error:
-        text = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise _vog.Error(f"{path}: yt cannot read it: {text}") from None
+    return yt.load(path)

@@ -4,7 +4,9 @@ import fnmatch
 import inspect
 import os
 import re
-from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
 
 from . import _vog
 from ._files import At, read_dicom, read_hdf5, read_numpy, read_ome_zarr, read_openpmd, read_xarray, read_yt
@@ -40,6 +42,19 @@ _KINDS = [
 ]  # fmt: skip
 
 
+@contextlib.contextmanager
+def reading(path: str) -> "Iterator[None]":
+    """Context in which exceptions of other packages become a vog.Error that names the file."""
+    try:
+        yield
+    except (_vog.Error, ImportError, MemoryError, TypeError):
+        raise
+    except Exception as error:
+        text = str(error).splitlines()[0] if str(error) else ""
+        kind = "" if text and not isinstance(error, LookupError) else type(error).__name__
+        raise _vog.Error(f"{path}: cannot be read: {kind}{': ' if kind and text else ''}{text}") from error
+
+
 def _begins_with(path: str, at: int, magic: bytes) -> bool:
     with open(path, "rb") as file:
         file.seek(at)
@@ -70,7 +85,7 @@ def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
         names = sorted(os.listdir(path))
         for head in (".zattrs", "zarr.json"):
             if has(head):
-                with open(os.path.join(path, head), encoding="utf-8") as file:
+                with open(os.path.join(path, head), encoding="utf-8", errors="replace") as file:
                     return (OME if '"multiscales"' in file.read() else _ZARR), path
         if os.path.splitext(path.rstrip("/"))[1].lower() in _OPENPMD.extensions:
             return _OPENPMD, path
@@ -199,18 +214,25 @@ def load(
             if name != "background":
                 raise _vog.Error(f"load: {path}: {name} has no effect on files that vog itself reads")
         return _own(path, density, fields, background=background, **rules)
-    kind, place = found
+    if at is not None and not (isinstance(at, Mapping) and all(isinstance(index, (int, np.integer)) for index in at.values())):
+        raise _vog.Error(f"load: {path}: at {described(at) if not isinstance(at, Mapping) else dict(at)}: write an index for each axis, {{'time': 3}} say")
+    with reading(path):
+        return _other(path, *found, density, fields, given, rules)
+
+
+def _other(path: str, kind: Kind, place: str, density: str, fields: Any, given: "dict[str, Any]", rules: "dict[str, Any]") -> Any:
+    """Data of a file that a package of this Python reads."""
     if kind is YT:
-        return from_yt(read(place, kind, "", {n: v for n, v in given.items() if n != "unit"}), density or "density", fields=fields, level=level, unit=unit, **rules)
+        return from_yt(read(place, kind, "", {n: v for n, v in given.items() if n != "unit"}), density or "density", fields=fields, level=given.get("level"), unit=given.get("unit"), **rules)
     wanted = next(iter(by_name(fields).values()), "") if density == "volume" else density
-    own = {"density": density, "fields": fields, "clip_negative": clip_negative}
+    own = {"density": density, "fields": fields, "clip_negative": rules["clip_negative"]}
     data = read(place, kind, wanted, {n: v for n, v in given.items() if n != "background"}, own)
     if isinstance(data, _vog.Cells):
         return data if fields is None else (data, None)
     if not isinstance(data, Grids):
         return data if fields is None else (data, list(by_name(fields).values()))
-    if thickness is not None:
+    if "thickness" in given:
         raise _vog.Error(f"load: {path}: thickness has no effect on grids")
-    if background is not None and not data.scan:
+    if "background" in given and not data.scan:
         raise _vog.Error(f"load: {path}: background has no effect on {kind.what}")
-    return assembled(data, density, fields, background=background, **rules)
+    return assembled(data, density, fields, background=given.get("background"), **rules)
