@@ -59,6 +59,8 @@ def from_yt(
     geometry = getattr(ds.geometry, "value", ds.geometry)
     if geometry != "cartesian":
         raise _vog.Error(f"from_yt: a data set of {geometry} geometry, expected cartesian (a pyvista.StructuredGrid of its cells, saved as .vts, is read as cells)")
+    if hasattr(ds.index, "meshes"):
+        raise _vog.Error("from_yt: a mesh of hexahedra or other cells, which yt samples on no grid; a pyvista.UnstructuredGrid of it, saved as .vtu, is read as cells")
     if any(getattr(grid, "cell_widths", None) is not None for grid in getattr(ds.index, "grids", ())[:1]):
         raise _vog.Error("from_yt: cells of uneven widths, expected even ones (a pyvista.RectilinearGrid of them, saved as .vtr, is read as cells)")
     field = tuple(field) if isinstance(field, list) else field
