@@ -264,7 +264,8 @@ void save_levels(const Levels& levels, const std::filesystem::path& file,
         if (names.size() < volumes.size()) volumes[v].name += "_L" + std::to_string(v);
         if (!masks.empty()) masks[v].name = "mask_L" + std::to_string(v);
     }
-    save_with_fields(file, std::move(volumes), fields, "_L", masks);
+    const bool several = volumes.size() > 1;
+    save_with_fields(file, std::move(volumes), fields, several ? "_L" : "", masks);
 }
 
 void bind_volume_class(py::module_& m) {
@@ -368,7 +369,7 @@ True)")
                 save_with_fields(file, {self}, fields, "");
             },
             py::arg("file"), py::arg("half") = false, py::kw_only(), py::arg("fields") = py::none(),
-            R"(Writes an OpenVDB fog volume, and fields as further grids of the same file (.vdb, .nvdb), with their units.
+            R"(Writes an OpenVDB fog volume, and fields as further grids of the same file: .vdb with their units, .nvdb without.
 
 half    stores values as 16-bit floats
 fields  {name: field} as vog.convert takes them, of any sign; `vog convert FILE --field NAME` reads them)")

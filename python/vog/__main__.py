@@ -1,7 +1,8 @@
 """The command vog for any file that Python reads: python -m vog COMMAND FILE ... loads it and runs the command on a converted copy.
 
---grid names the density and --field further arrays. --measure volume carries values of any sign as fields, without a density. Without a
-command, and with info, the arrays of the file are listed. All other options are those of `vog COMMAND --help`.
+--grid names the density and --field further arrays. --measure volume carries values of any sign as fields, without a density. --at time=3
+takes another time, or any index beside x, y and z, and --load KEY=VALUE is a keyword of vog.load. Without a command, and with info, the
+arrays of the file are listed. All other options are those of `vog COMMAND --help`.
 """
 import contextlib
 import os
@@ -15,7 +16,7 @@ import warnings
 from typing import Any, List
 
 from ._grids import Grids, density_of, write_scan
-from ._load import OME, YT, kind_of, load, read
+from ._load import DICOM, OME, YT, kind_of, load, read, reading
 from ._vtk_files import arrays_of, dataset, leaves_of, read_vtk
 from ._vog import Cells, Error, Gaussians, Levels, Volume, convert, memory_limit
 
@@ -41,16 +42,36 @@ def _name(text: str) -> str:
     return re.sub(r"[^\w-]+", "_", text).strip("_")
 
 
+_COMPONENT = re.compile(r"\.(x|y|z|magnitude)$")
+# Keywords of vog.load for --load, and the kinds of their values.
+_KEYWORDS: Any = {"level": int, "voxel_size": lambda text: [float(x) for x in text.split(",")] if "," in text else float(text), "thickness": float, "unit": str}
+
+
+def _number(option: str, kind: Any, text: Any) -> Any:
+    """The value of an option as a number of a kind; None where it is not given."""
+    try:
+        return None if text is None else kind(text)
+    except ValueError:
+        raise Error(f"{option} {text}: write {'a whole number' if kind is int else 'a number'}") from None
+
+
 class Options:
     """Options of a command line that say what is read."""
 
     def __init__(self, words: "List[str]") -> None:
         self.words = words
         self.grid = next(iter(self.values("--grid")), "")
-        # T=temperature and velocity.x name the arrays temperature and velocity.
-        self.fields = list(dict.fromkeys(re.sub(r"\.(x|y|z|magnitude)$", "", text.split("=", 1)[-1]) for text in self.values("--field")))
+        # T=temperature and velocity.x name the arrays temperature and velocity; by the name that the field has.
+        pairs = [text.partition("=") for text in self.values("--field")]
+        self.fields = {_name(_COMPONENT.sub("", new)): _COMPONENT.sub("", array or new) for new, _, array in pairs}
         self.ones = "volume" in self.values("--measure")
         self.rules: Any = {"skip_nonfinite": "--skip-nonfinite" in words, "clip_negative": "--clip-negative" in words}
+        pairs = [text.partition("=") for text in self.values("--at")]
+        self.given: Any = {"at": {axis: _number("--at " + axis, int, index) for axis, _, index in pairs}} if pairs else {}
+        for key, _, text in (text.partition("=") for text in self.values("--load")):
+            if key not in _KEYWORDS:
+                raise Error(f"--load {key}: no keyword to load with; it takes {', '.join(_KEYWORDS)}, such as --load level=0")
+            self.given[key] = _number("--load " + key, _KEYWORDS[key], text)
 
     def values(self, option: str) -> "List[str]":
         pairs = zip(self.words, self.words[1:] + [""])
@@ -65,28 +86,33 @@ class Options:
                 self.words[n] = ""
 
 
-def _list(path: str) -> None:
+def _list(path: str, given: "dict[str, Any]") -> None:
     """Prints the arrays of a file, and a command to try."""
     kind, place = kind_of(path)  # type: ignore[misc]
-    data = leaves_of(dataset(place)) if kind.read is read_vtk else read(place, kind, "", {})
+    data = leaves_of(dataset(place, given.get("at", {}))) if kind.read is read_vtk else read(place, kind, "", given)
     print(f"{path}: {kind.what}")
     names: "List[str]" = []
+    vectors: "List[str]" = []
     if isinstance(data, list):  # blocks of a mesh
         for leaf in data:
             for what, values in (("points", leaf.GetPointData()), ("cells", leaf.GetCellData())):
-                here = [name for name in arrays_of(values) if name not in names]
+                here = {name: array for name, array in arrays_of(values).items() if name not in names}
                 print(*(f"  {name}  at {what}\n" for name in here), sep="", end="")
                 names += here
+                vectors += [name for name, array in here.items() if array.ndim > 1]
+        if not names:
+            raise Error(f"{path}: no arrays of numbers at points or in cells")
     elif isinstance(data, Grids):
         for name in data.names:
             unit = data.unit(name)
             print(f"  {name}" + (f"  {unit}" if unit else ""))
-        names = list(data.names)
+        names, vectors = list(data.names), list(data.vectors)
     else:
         names = list(dict.fromkeys(name[1] for name in getattr(data, "field_list", ()) if name[0] not in ("io", "all")))
         print(f"  {', '.join(names)}" if names else f"  {data!r}")
-    choice = "" if not names or "density" in map(str.lower, names) else f" --grid {shlex.quote(names[0])}"
-    print(f"\nTry:\n  python3 -m vog render {shlex.quote(path)}{choice}")
+    name = next((name for name in names if name not in vectors), None)
+    choice = "" if not names or "density" in map(str.lower, names) else f" --grid {shlex.quote(name or names[0])}"
+    print(f"\nTry:\n  python3 -m vog {'render' if name or not names else 'convert'} {shlex.quote(path)}{choice}{'' if name or not names else ' --measure volume -o model.ply'}")
 
 
 def _limited(options: Options) -> Any:
@@ -96,25 +122,33 @@ def _limited(options: Options) -> Any:
     return memory_limit(float(given[1]) * 1024.0 ** " KMGT".index(given[2].upper() or " "), folder) if given else contextlib.nullcontext()
 
 
+def _renamed(word: str) -> str:
+    """heat=T.x, or --field=heat=T.x, as the model has it, whose field is called heat: heat.x."""
+    option, new, array = re.fullmatch(r"(--field=|)(?:([^=]*)=)?(.*)", word).groups()  # type: ignore[union-attr]
+    component = _COMPONENT.search(array)
+    return option + (array if new is None else new + (component[0] if component else ""))
+
+
 def _written(path: str, folder: str, options: Options) -> "List[str]":
     """Files of vog's own with the arrays of a file that the options name."""
     stem = os.path.join(folder, _name(os.path.basename(os.path.normpath(path)).split(".")[0]) or "data")
     kind, place = kind_of(path)  # type: ignore[misc]
-    if kind is not YT and not options.fields and not options.ones:
+    if kind in (OME, DICOM) and not options.fields and not options.ones:
         # With a limit of memory the finest level goes through a file, slab by slab.
         level = {"level": 0} if kind is OME and options.values("--memory") else {}
-        data = read(place, kind, options.grid, level, {"density": options.grid, **options.rules})
-        if isinstance(data, Grids) and data.scan:
-            write_scan(stem + ".nrrd", data, density_of(data.names, options.grid, path))
-            options.drop("--grid")
-            return [stem + ".nrrd"]
-    wanted = list(dict.fromkeys([options.grid] * (options.ones and options.grid != "") + options.fields))
-    data, fields = load(path, "volume" if options.ones else options.grid, fields=wanted, **options.rules)
+        data = read(place, kind, options.grid, {**level, **options.given})
+        write_scan(stem + ".nrrd", data, density_of(data.names, options.grid, path))
+        options.drop("--grid")
+        return [stem + ".nrrd"]
+    wanted = {**({_name(options.grid): options.grid} if options.ones and options.grid else {}), **options.fields}
+    data, fields = load(path, "volume" if options.ones else options.grid, fields=wanted, **options.given, **options.rules)
     if isinstance(data, Cells):
+        if options.words[0] == "evaluate":
+            raise Error(f"{path}: the command evaluates voxels, not meshes; in Python vog.evaluate(vog.load(...), folder) does")
         # Commands know models, of which convert keeps a budget; an error is met here.
-        budget, error = next(iter(options.values("--budget")), None), next(iter(options.values("--error")), None)
-        data = convert(data, budget=int(budget) if budget else None, error=float(error) if error else None)
-        options.drop("--error", "--grid", "--field", "--measure")
+        data = convert(data, **{name: _number("--" + name, kind, next(iter(options.values("--" + name)), None)) for name, kind in (("budget", int), ("error", float))})
+        options.drop("--error", "--grid", "--measure", *([] if options.values("--show") or options.words[0] == "render" else ["--field"]))
+        options.words = [_renamed(word) if "--field" in (before, word[:7]) else word for before, word in zip(["", *options.words], options.words)]
     if not isinstance(data, (Levels, Volume)):
         data.save(stem + ".ply" if isinstance(data, Gaussians) else stem + ".csv")
         return [stem + (".ply" if isinstance(data, Gaussians) else ".csv")]
@@ -126,7 +160,7 @@ def _written(path: str, folder: str, options: Options) -> "List[str]":
         own = {}
         for name, field in fields.items():
             value, unit = (field["value"], field["unit"]) if isinstance(field, dict) else (field, "")
-            own[_name(name)] = {"value": value[n] if len(levels) > 1 else value, "unit": unit}
+            own[_name(wanted[name])] = {"value": value[n] if len(levels) > 1 else value, "unit": unit}
         volume.save(files[-1], fields={name: field for name, field in own.items() if name != volume.name} or None)
     if not options.grid:
         options.words += ["--grid", levels[0].name]
@@ -134,9 +168,10 @@ def _written(path: str, folder: str, options: Options) -> "List[str]":
 
 
 # What messages of Python call by its keywords, as the command has it.
-_OPTIONS = [
+_OPTIONS: Any = [
     (r"\b(clip|skip)_(negative|nonfinite)(=True)?", r"--\1-\2"), (r"density='volume'", "--measure volume"), (r"fields=\[...\]", "--field NAME"),
-    (r"expected the name of one", "expected --grid with one"), (r"\bload: ", ""),
+    (r"expected the name of one", "expected --grid with one"), (r"\bload: ", ""), (r"\bat=\{'([^']*)': (\w+)\}", r"--at \1=\2"),
+    (r"(?<!--load )\b(level|voxel_size|thickness|unit)=(?=(\w*))", lambda found: f"--load {found[1]}=" + ("" if found[2] else "...")),
 ]  # fmt: skip
 
 
@@ -148,17 +183,21 @@ def _spoken(text: str) -> str:
 
 def main(words: "List[str]") -> int:
     """Runs the command on converted copies of files that vog itself does not read; returns its exit code."""
-    warnings.showwarning = lambda message, *_: print(f"vog: note: {str(message).splitlines()[0]}", file=sys.stderr)
+    warnings.showwarning = lambda message, *_: print(f"vog: note: {_spoken(str(message).splitlines()[0])}", file=sys.stderr)
     inputs = [n for n in range(len(words)) if _is_input(words, n)]
     try:
         if inputs and (inputs[0] == 0 or words[0] == "info"):
             for n in inputs:
-                _list(words[n])
+                with reading(words[n]):
+                    _list(words[n], Options(list(words)).given)
             return 0
         with tempfile.TemporaryDirectory(prefix="vog-") as folder:
             options = Options(list(words))
-            with _limited(options):
-                made = {n: _written(words[n], folder, options) for n in inputs}
+            options.drop(*(["--at", "--load"] if inputs else []))
+            made = {}
+            for n in inputs:
+                with _limited(options), reading(words[n]):
+                    made[n] = _written(words[n], folder, options)
             line = [file for n, word in enumerate(options.words) for file in made.get(n, [word] if word else [])]
             for option in ("--grid", "--field") if inputs else ():
                 for n in range(1, len(line)):

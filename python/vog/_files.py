@@ -1,4 +1,5 @@
 """Arrays in files of other programs: NumPy, HDF5, NetCDF, GRIB, Zarr, OME-Zarr, DICOM and openPMD."""
+import contextlib
 import os
 import warnings
 from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
@@ -8,7 +9,7 @@ import numpy as np
 from . import _vog
 from ._grids import Grids, lattice, lead_of, listed, one_grid
 from ._packages import need
-from ._readers import axes_of, note_curved, oriented, valid, valid_limits
+from ._readers import _EVEN, axes_of, note_curved, oriented, unit_of, unwritten, valid, valid_limits
 
 # Most voxels of the level of a pyramid that is read where none is named.
 _MOST_VOXELS = 2**27
@@ -44,8 +45,8 @@ def read_numpy(path: str, voxel_size: Any) -> Grids:
     """Arrays [X, Y, Z] or [X, Y, Z, 3] of a .npy or .npz."""
     try:
         loaded = np.load(path, mmap_mode="r")
-    except (ValueError, EOFError, OSError) as error:
-        raise _vog.Error(f"{path}: not an array of numbers: {error}") from None
+    except (ValueError, EOFError) as error:
+        raise _vog.Error(f"{path}: not an array of numbers: {str(error).split('. ')[0]}") from None
     arrays = {"density": loaded} if isinstance(loaded, np.ndarray) else {}
     for name in getattr(loaded, "files", ()):
         try:
@@ -68,10 +69,7 @@ def _text(value: Any) -> Any:
 def read_hdf5(path: str, wanted: str, at: At, voxel_size: Any) -> Any:
     """Arrays of three axes in HDF5, by their paths in the file; particles of a snapshot; data sets that yt knows."""
     h5py = need("h5py", f"load: {path}")
-    try:
-        file = h5py.File(path)
-    except OSError as error:
-        raise _vog.Error(f"{path}: not a file of HDF5: {error}") from None
+    file = h5py.File(path)
     if "openPMD" in file.attrs:
         return read_openpmd(path, wanted, at)
     beside(path, {}, at)
@@ -85,6 +83,10 @@ def read_hdf5(path: str, wanted: str, at: At, voxel_size: Any) -> Any:
     return one_grid(path, lattice(1 if voxel_size is None else voxel_size, 0), arrays, units)
 
 
+def _sizes(shape: "Tuple[int, ...]") -> str:
+    return " x ".join(map(str, shape))
+
+
 def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
     """Variables of three dimensions and more of NetCDF, GRIB or Zarr, along x, y and z."""
     xarray = need("xarray", f"load: {path}")
@@ -93,11 +95,20 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
     except ImportError as error:
         raise ImportError(f"load: {path}: {str(error).splitlines()[0]}", name=error.name) from None
     except Exception as error:  # each engine has exceptions of its own
-        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        if type(error).__name__ == "ContainsArrayError":
+            raise _vog.Error(f"{path}: an array of Zarr without names of axes; vog.Volume.from_numpy(zarr.open({path!r})[:]) takes it") from None
+        text = str(error).splitlines()[0].split(". ")[0] if str(error) else type(error).__name__
         raise _vog.Error(f"{path}: xarray cannot read it: {text} (NetCDF needs netcdf4 or h5netcdf, GRIB cfgrib, Zarr zarr)") from None
-    arrays = {str(name): array for name, array in data.data_vars.items() if sum(length > 1 for length in array.shape) >= 3}
+    variables = {str(name): array for name, array in data.data_vars.items()}
+    if not variables:  # those of groups, by their paths
+        with contextlib.suppress(Exception):
+            groups = xarray.open_groups(path, engine="zarr" if os.path.isdir(path) else None)
+            variables = {f"{group.strip('/')}/{name}": array for group, inner in groups.items() for name, array in inner.data_vars.items()}
+    arrays = {name: array for name, array in variables.items() if array.dtype.kind in "fiub" and sum(length > 1 for length in array.shape) >= 3}
+    if wanted in variables and variables[wanted].dtype.kind not in "fiub":
+        raise _vog.Error(f"{path}: '{wanted}' holds no numbers but {variables[wanted].dtype}; {listed(list(arrays)) or 'no other variable'} holds some in three dimensions")
     if not arrays:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in data.data_vars.items())
+        shapes = ", ".join(f"{name} {array.shape}" + ("" if array.dtype.kind in "fiub" else " of no numbers") for name, array in variables.items())
         raise _vog.Error(f"{path}: {shapes or 'no variables'}, expected a variable of three dimensions")
     lead = arrays[lead_of(list(arrays), wanted, path)[0]]
     others: "Callable[[Any], Dict[Any, int]]" = lambda array: {axis: array.sizes[axis] for axis in array.dims if axis not in axes_of(array)}
@@ -111,23 +122,25 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
         return array.isel({axis: fixed[axis] for axis in others(array)})
 
     note_curved(one(lead), path)
-    units = {str(lead.coords[axis].attrs.get("units", "")) for axis in axes_of(lead) if axis in lead.coords}
+    units = {unit_of(lead.coords[axis]) for axis in axes_of(lead) if axis in lead.coords}
     if voxel_size is None and len(units) > 1:
-        listed = ", ".join(sorted(units))
-        warnings.warn(f"{path}: coordinates of several units ({listed}): voxels are cubes of 1; voxel_size= gives others", stacklevel=3)
+        warnings.warn(f"{path}: coordinates of several units ({', '.join(sorted(units))}): voxels are cubes of 1; voxel_size= gives others", stacklevel=3)
         voxel_size = 1
 
     def placed(array: Any) -> "Tuple[Any, Any, Any, Any]":
         array, dims, size, origin, length = oriented(one(array), None, voxel_size)
         return array, dims, lattice(size, 0 if origin is None else origin), length
 
-    _, _, matrix, length = placed(lead)
+    first, _, matrix, length = placed(lead)
+    shape = first.shape
 
     def slabs(name: str) -> Any:
         source = one(arrays[name])
         array, dims, own, _ = placed(arrays[name])
-        if not np.allclose(own, matrix):
-            raise _vog.Error(f"{path}: '{name}' has other coordinates than '{lead.name}', expected arrays of one lattice")
+        if np.abs(np.linalg.solve(matrix, own) - np.eye(4)).max() > _EVEN:  # in voxels
+            raise _vog.Error(f"{path}: '{name}' has other coordinates than '{lead.name}'; interp_like() of xarray brings it to the same")
+        if array.shape != shape:
+            raise _vog.Error(f"{path}: '{name}' has {_sizes(array.shape)} voxels, '{lead.name}' {_sizes(shape)}; isel() or interp_like() of xarray brings it to the same")
         turned = [dim in array.coords and array.coords[dim].values[0] != source.coords[dim].values[0] for dim in dims]
         rows = max(1, int(arrays[name].encoding.get("preferred_chunks", {}).get(dims[2], 1)))
         depth = rows * max(1, _PART_BYTES // (array.dtype.itemsize * array.shape[0] * array.shape[1] * rows))
@@ -140,7 +153,7 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
             values = valid(loaded.values, loaded)
             return values.reshape(values.shape[-3:])[tuple(slice(None, None, -1 if back else 1) for back in turned)]
 
-        limited = np.isfinite(valid_limits(array)).any()  # values beyond are NaN
+        limited = np.isfinite(valid_limits(array)).any() or unwritten(array) is not None  # values beyond are NaN
         return array.shape, np.result_type(array.dtype, np.float32) if limited else array.dtype, map(part, range(0, array.shape[2], depth))
 
     def blocks(_: int, name: str) -> Any:
@@ -170,6 +183,8 @@ def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
     if isinstance(level, bool) or not 0 <= level < len(levels):
         raise _vog.Error(f"{path}: level {level}, expected 0 to {len(levels) - 1}")
     array = levels[level]
+    if array.ndim != len(names):
+        raise _vog.Error(f"{path}: axes {', '.join(names)} of an array with {array.ndim} axes; its metadata must name each")
     scale, place = np.ones(len(axes)), np.zeros(len(axes))
     for step in (*image["datasets"][level].get("coordinateTransformations", ()), *image.get("coordinateTransformations", ())):
         factor = np.asarray(step.get("scale", 1.0), float)
@@ -290,10 +305,7 @@ def read_dicom(path: str) -> Grids:
 def read_openpmd(path: str, wanted: str, at: At) -> Grids:
     """Meshes of one iteration of openPMD along x, y and z: E_x or rho."""
     io = need("openpmd_api", f"load: {path}")
-    try:
-        series = io.Series(path, io.Access.read_only)
-    except Exception as error:  # each back end has exceptions of its own
-        raise _vog.Error(f"{path}: openpmd_api cannot read it: {str(error).splitlines()[0] if str(error) else type(error).__name__}") from None
+    series = io.Series(path, io.Access.read_only)
     steps = sorted(series.iterations)
     iteration = series.iterations[steps[beside(path, {"iteration": len(steps)}, at)["iteration"]]]
     parts = {(name if part == io.Mesh_Record_Component.SCALAR else f"{name}_{part}"): (mesh, mesh[part])
@@ -330,8 +342,4 @@ def read_yt(path: str) -> Any:
     yt = need("yt", f"load: {path}")
     yt.set_log_level("error")
     yt.config.ytcfg["yt", "suppress_stream_logging"] = True  # no bars of progress
-    try:
-        return yt.load(path)
-    except Exception as error:
-        text = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise _vog.Error(f"{path}: yt cannot read it: {text}") from None
+    return yt.load(path)

@@ -2,7 +2,7 @@
 import itertools
 import os
 import tempfile
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -32,11 +32,13 @@ class Grids(NamedTuple):
     scan: bool = False  # values above a background are density, as the readers of images have it
     # of arrays larger than memory: name -> shape [X, Y, Z], dtype, and arrays [X, Y, n] one after another along z
     slabs: "Optional[Callable[[Any], Tuple[Tuple[int, ...], Any, Iterable[Any]]]]" = None
+    vectors: Sequence[Any] = ()  # names of the arrays [X, Y, Z, 3]
 
 
 def one_grid(source: str, matrix: Any, arrays: "Dict[str, Any]", units: "Dict[str, Any]", **more: Any) -> Grids:
     """Arrays of one lattice, whose first voxel has the index (0, 0, 0)."""
-    return Grids(list(arrays), [matrix], lambda _, name: [((0, 0, 0), np.asarray(arrays[name]))], units.get, source, **more)
+    vectors = [name for name, array in arrays.items() if array.ndim > 3]
+    return Grids(list(arrays), [matrix], lambda _, name: [((0, 0, 0), np.asarray(arrays[name]))], units.get, source, vectors=vectors, **more)
 
 
 def lattice(spacing: Any, origin: Any) -> Any:
@@ -65,6 +67,13 @@ def listed(names: "Sequence[Any]") -> str:
 
 
 _USUAL = ("density", "Density", "rho", "dens")
+
+
+def by_name(fields: Any) -> "Dict[str, Any]":
+    """Arrays of fields by the names that these get: of a mapping, or of a list of arrays."""
+    if isinstance(fields, Mapping):
+        return dict(fields)
+    return {field if isinstance(field, str) else field[-1]: field for field in ([fields] if isinstance(fields, str) else fields or ())}
 
 
 def density_of(names: "Sequence[Any]", name: Any, source: str) -> Any:
@@ -148,7 +157,7 @@ def _volume_of_slabs(slabs: "Iterable[Any]", matrix: Any, name: str, rules: "Dic
 
 
 def assembled(
-    grids: Grids, density: Any, fields: "Optional[Sequence[Any]]", levels: bool = False, background: "Optional[float]" = None, **rules: Any
+    grids: Grids, density: Any, fields: Any, levels: bool = False, background: "Optional[float]" = None, **rules: Any
 ) -> Any:
     """A Volume, or Levels of several levels; with fields a pair of it and {name: field}, as vog.convert takes them.
 
@@ -158,18 +167,17 @@ def assembled(
     rules    skip_nonfinite and clip_negative of Volume.from_numpy
     """
     several = levels or len(grids.levels) > 1
-    if isinstance(fields, str):
-        fields = [fields]
+    arrays = by_name(fields)
     ones = density == "volume" and density not in grids.names
-    if ones and not fields:
+    if ones and not arrays:
         raise _vog.Error(f"{grids.source}: density='volume' counts volume, expected the names of fields with it: fields=[...]")
-    name = (fields or [""])[0] if ones else density_of(grids.names, density, grids.source)
+    name = next(iter(arrays.values())) if ones else density_of(grids.names, density, grids.source)
     given: "Dict[str, Any]" = {}
-    for field in fields or ():
+    for new, field in arrays.items():
         of_level: "List[Any]" = [_values(grids, level, field) for level in range(len(grids.levels))]
         unit = grids.unit(named(grids.names, field, grids.source)[0])
         value = of_level if len(of_level) > 1 else of_level[0]
-        given[field if isinstance(field, str) else field[-1]] = {"value": value, "unit": str(unit)} if unit else value
+        given[new] = {"value": value, "unit": str(unit)} if unit else value
     volumes = []
     for level, matrix in enumerate(grids.levels):
         blocks = [] if (grids.scan or grids.slabs) and not ones else _values(grids, level, name)

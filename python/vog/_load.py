@@ -1,12 +1,16 @@
 """Any file that vog or a package of this Python reads, by its extension and its contents."""
 import contextlib
+import fnmatch
 import inspect
 import os
-from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
+import re
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
 
 from . import _vog
 from ._files import At, read_dicom, read_hdf5, read_numpy, read_ome_zarr, read_openpmd, read_xarray, read_yt
-from ._grids import Grids, assembled
+from ._grids import Grids, assembled, by_name, listed
 from ._packages import described, need
 from ._readers import from_yt
 from ._vtk_files import read_vtk
@@ -25,17 +29,30 @@ class Kind(NamedTuple):
 
 YT = Kind("a data set of a simulation", (".athdf", ".art"), read_yt)
 OME = Kind("an image in OME-Zarr", (), read_ome_zarr)
-_DICOM = Kind("a series of DICOM", (".dcm", ".ima"), read_dicom)
+DICOM = Kind("a series of DICOM", (".dcm", ".ima"), read_dicom)
 _OPENPMD = Kind("openPMD", (".bp", ".bp4", ".bp5"), read_openpmd)  # files or folders
 _ZARR = Kind("a store of Zarr", (".zarr",), read_xarray)
 _KINDS = [
     Kind("NumPy arrays", (".npy", ".npz"), read_numpy),
     Kind("arrays in HDF5", (".h5", ".hdf5", ".hdf", ".he5"), read_hdf5),
     Kind("NetCDF or GRIB", (".nc", ".nc4", ".cdf", ".grib", ".grb", ".grib2", ".grb2"), read_xarray),
-    Kind("data of VTK", (".vtk", ".vti", ".vtr", ".vts", ".vtu", ".vtm", ".vtmb", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd", ".exo", ".e", ".ex2",
+    Kind("data of VTK", (".vtk", ".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vtmb", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd", ".exo", ".e", ".ex2",
          ".case", ".foam", ".cgns"), read_vtk),
-    YT, _DICOM, _ZARR, _OPENPMD,
+    YT, DICOM, _ZARR, _OPENPMD,
 ]  # fmt: skip
+
+
+@contextlib.contextmanager
+def reading(path: str) -> "Iterator[None]":
+    """Context in which exceptions of other packages become a vog.Error that names the file."""
+    try:
+        yield
+    except (_vog.Error, ImportError, MemoryError, TypeError):
+        raise
+    except Exception as error:
+        text = str(error).splitlines()[0] if str(error) else ""
+        kind = "" if text and not isinstance(error, LookupError) else type(error).__name__
+        raise _vog.Error(f"{path}: cannot be read: {kind}{': ' if kind and text else ''}{text}") from error
 
 
 def _begins_with(path: str, at: int, magic: bytes) -> bool:
@@ -68,7 +85,7 @@ def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
         names = sorted(os.listdir(path))
         for head in (".zattrs", "zarr.json"):
             if has(head):
-                with open(os.path.join(path, head), encoding="utf-8") as file:
+                with open(os.path.join(path, head), encoding="utf-8", errors="replace") as file:
                     return (OME if '"multiscales"' in file.read() else _ZARR), path
         if os.path.splitext(path.rstrip("/"))[1].lower() in _OPENPMD.extensions:
             return _OPENPMD, path
@@ -79,7 +96,7 @@ def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
         if enzo or ramses or (has("Header") and has("Level_0")):
             return YT, os.path.join(path, (enzo or ramses or [""])[0])
         files = [os.path.join(path, name) for name in names if os.path.isfile(os.path.join(path, name))]
-        return (_DICOM, path) if any(_begins_with(file, 128, b"DICM") for file in files[:8]) else None
+        return (DICOM, path) if any(_begins_with(file, 128, b"DICM") for file in files[:8]) else None
     if not os.path.isfile(path):
         return None
     if os.path.exists(path + ".hierarchy"):
@@ -89,7 +106,7 @@ def kind_of(path: str) -> "Optional[Tuple[Kind, str]]":
         if extension in kind.extensions:
             return kind, path
     if not extension and _begins_with(path, 128, b"DICM"):
-        return _DICOM, path
+        return DICOM, path
     # Codes of simulations number their files: sedov_hdf5_plt_cnt_0001.
     own = (*_MODELS, *_PARTICLES, ".vdb", ".nvdb")
     return (YT, path) if extension not in own and _begins_with(path, 0, b"\x89HDF") else None
@@ -111,7 +128,7 @@ def read(path: str, kind: Kind, wanted: str, given: "dict[str, Any]", chosen: "O
     return kind.read(**{**options, "path": path})
 
 
-def _own(path: str, density: str, fields: "Optional[Sequence[str]]", **rules: Any) -> Any:
+def _own(path: str, density: str, fields: "Union[Sequence[str], Mapping[str, str], None]", **rules: Any) -> Any:
     """Data of a file that vog itself reads."""
     extension = os.path.splitext(path[:-3] if path.lower().endswith(".gz") else path)[1].lower()
     background = rules.pop("background", None)
@@ -121,7 +138,7 @@ def _own(path: str, density: str, fields: "Optional[Sequence[str]]", **rules: An
         return _vog.Gaussians.load(path)
     if extension in _PARTICLES:
         points = _vog.Points.load(path, grid=density, skip_nonfinite=rules["skip_nonfinite"])
-        return points if fields is None else (points, list(fields))
+        return points if fields is None else (points, list(by_name(fields).values()))
     data: Any
     if extension not in (".vdb", ".nvdb"):
         data = _vog.Volume.load(path, density, background=background, **rules)
@@ -134,14 +151,24 @@ def _own(path: str, density: str, fields: "Optional[Sequence[str]]", **rules: An
             except _vog.Error:
                 raise error from None
         data = data if len(data) > 1 else data[0]
-    return data if fields is None else (data, {name: name for name in fields})
+    if fields is None:
+        return data
+    given: "dict[str, Any]" = by_name(fields)
+    for name, grid in list(given.items()):
+        if "*" in grid:  # temperature_L*: a grid for each level
+            of_level = fnmatch.filter(_vog.grid_names(path), grid)
+            if not of_level:
+                raise _vog.Error(f"load: {path}: no grid matches {grid!r}; it has {listed(_vog.grid_names(path))}")
+            del given[name]
+            given[name if name != grid else re.sub(r"_?L?\*", "", grid) or grid] = of_level if isinstance(data, _vog.Levels) else of_level[0]
+    return data, given
 
 
 def load(
     path: Any,
     density: str = "",
     *,
-    fields: "Optional[Sequence[str]]" = None,
+    fields: "Union[Sequence[str], Mapping[str, str], None]" = None,
     level: "Optional[int]" = None,
     at: "Optional[At]" = None,
     voxel_size: Any = None,
@@ -158,7 +185,7 @@ def load(
                 or the address of a Zarr store, "https://...", "s3://..." (fsspec)
     density     name of the array, grid or field; '': the only one, else the one called density; 'volume': 1 in every voxel, for
                 fields of any sign
-    fields      names of further arrays, of any sign; 'velocity' is also the vector of velocity_x, velocity_y, velocity_z. The result
+    fields      names of further arrays, of any sign, or {name: array} to rename them; 'velocity' is also the vector of velocity_x, velocity_y, velocity_z. The result
                 is then a pair: data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save;
                 for Cells, which contain their fields, the second is None
     level       of simulations: one covering grid of this level; of OME-Zarr: a level of the pyramid, 0 the finest
@@ -187,19 +214,25 @@ def load(
             if name != "background":
                 raise _vog.Error(f"load: {path}: {name} has no effect on files that vog itself reads")
         return _own(path, density, fields, background=background, **rules)
-    kind, place = found
+    if at is not None and not (isinstance(at, Mapping) and all(isinstance(index, (int, np.integer)) for index in at.values())):
+        raise _vog.Error(f"load: {path}: at {described(at) if not isinstance(at, Mapping) else dict(at)}: write an index for each axis, {{'time': 3}} say")
+    with reading(path):
+        return _other(path, *found, density, fields, given, rules)
+
+
+def _other(path: str, kind: Kind, place: str, density: str, fields: Any, given: "dict[str, Any]", rules: "dict[str, Any]") -> Any:
+    """Data of a file that a package of this Python reads."""
     if kind is YT:
-        return from_yt(read(place, kind, "", {n: v for n, v in given.items() if n != "unit"}), density or "density", fields=fields, level=level, unit=unit, **rules)
-    first: "List[str]" = list(fields or [""])
-    wanted = first[0] if density == "volume" else density
-    own = {"density": density, "fields": fields, "clip_negative": clip_negative}
+        return from_yt(read(place, kind, "", {n: v for n, v in given.items() if n != "unit"}), density or "density", fields=fields, level=given.get("level"), unit=given.get("unit"), **rules)
+    wanted = next(iter(by_name(fields).values()), "") if density == "volume" else density
+    own = {"density": density, "fields": fields, "clip_negative": rules["clip_negative"]}
     data = read(place, kind, wanted, {n: v for n, v in given.items() if n != "background"}, own)
     if isinstance(data, _vog.Cells):
         return data if fields is None else (data, None)
     if not isinstance(data, Grids):
-        return data if fields is None else (data, list(fields))
-    if thickness is not None:
+        return data if fields is None else (data, list(by_name(fields).values()))
+    if "thickness" in given:
         raise _vog.Error(f"load: {path}: thickness has no effect on grids")
-    if background is not None and not data.scan:
+    if "background" in given and not data.scan:
         raise _vog.Error(f"load: {path}: background has no effect on {kind.what}")
-    return assembled(data, density, fields, background=background, **rules)
+    return assembled(data, density, fields, background=given.get("background"), **rules)

@@ -30,7 +30,7 @@ def from_yt(
     ds: Any,
     field: Any = ("gas", "density"),
     *,
-    fields: "Optional[Sequence[Any]]" = None,
+    fields: Any = None,
     level: Optional[int] = None,
     unit: Optional[str] = None,
     skip_nonfinite: bool = False,
@@ -40,7 +40,7 @@ def from_yt(
 
     ds              data set of yt.load: patch-based codes (Enzo, FLASH, Athena, Boxlib); with `level` also octree codes and particles
     field           name of the field: 'density' or ('gas', 'density'); 'volume': 1 everywhere, for fields of any sign
-    fields          names of further fields, in their own units, 'velocity' for the vector of three: the result is then a pair of
+    fields          names of further fields, in their own units, or {name: field}, 'velocity' for the vector of three: the result is then a pair of
                     data and {name: field}, for vog.convert(data, fields=...), vog.render and data.save
     level           None: all levels, where finer ones hide coarser ones; 0, 1, ...: a covering grid of the domain at the cell
                     size of that level, as one Volume
@@ -59,6 +59,8 @@ def from_yt(
     geometry = getattr(ds.geometry, "value", ds.geometry)
     if geometry != "cartesian":
         raise _vog.Error(f"from_yt: a data set of {geometry} geometry, expected cartesian (a pyvista.StructuredGrid of its cells, saved as .vts, is read as cells)")
+    if hasattr(ds.index, "meshes"):
+        raise _vog.Error("from_yt: a mesh of hexahedra or other cells, which yt samples on no grid; a pyvista.UnstructuredGrid of it, saved as .vtu, is read as cells")
     if any(getattr(grid, "cell_widths", None) is not None for grid in getattr(ds.index, "grids", ())[:1]):
         raise _vog.Error("from_yt: cells of uneven widths, expected even ones (a pyvista.RectilinearGrid of them, saved as .vtr, is read as cells)")
     field = tuple(field) if isinstance(field, list) else field
@@ -189,18 +191,40 @@ def valid_limits(array: Any) -> "tuple[float, float]":
     return low, high
 
 
+# Values of NetCDF's types where none was written and the file states no _FillValue, which xarray leaves as they are.
+_UNWRITTEN = {"f4": 9.969209968386869e36, "f8": 9.969209968386869e36, "i2": -32767, "u2": 65535, "i4": -2147483647, "u4": 4294967295}
+
+
+def unwritten(array: Any) -> Any:
+    """The value of a DataArray from NetCDF where none was written; None where the file states it, or has none."""
+    encoding = array.encoding
+    if "_FillValue" in encoding or "missing_value" in encoding or ("source" not in encoding and array.dtype.kind != "f"):
+        return None
+    value = _UNWRITTEN.get(np.dtype(encoding.get("dtype", array.dtype)).str[1:])
+    return None if value is None else value * encoding.get("scale_factor", 1) + encoding.get("add_offset", 0)
+
+
 def valid(values: Any, array: Any) -> Any:
-    """Values of a DataArray, NaN beyond its valid limits."""
+    """Values of a DataArray, NaN beyond its valid limits and where none was written."""
     ends = valid_limits(array)
     # The limits are valid, rounded as the values are.
     slack = 1e-6 * max([abs(end) for end in ends if np.isfinite(end)], default=0.0)
     beyond = (values < ends[0] - slack) | (values > ends[1] + slack)
+    fill = unwritten(array)
+    if fill is not None:
+        beyond |= np.isclose(values, fill, rtol=1e-6, atol=0)
     return np.where(beyond, np.nan, values) if beyond.any() else values
 
 
 # Names of dimensions along x and y, and of those that are no places.
 _X, _Y = ("x", "lon", "longitude"), ("y", "lat", "latitude")
 _NO_PLACES = ("t", "time", "valid_time", "step", "member", "ensemble", "number", "realization", "run", "c", "channel", "band")
+def unit_of(coordinate: Any) -> str:
+    """Unit of a coordinate, whose metres have one name."""
+    unit = str(coordinate.attrs.get("units", ""))
+    return "m" if unit.lower() in ("metre", "metres", "meter", "meters") else unit
+
+
 # Units of coordinates that shrink upwards.
 _PRESSURES = ("Pa", "hPa", "kPa", "mbar", "mb", "millibar", "millibars", "bar", "dbar")
 
@@ -259,7 +283,7 @@ def oriented(array: Any, dims: Optional[Sequence[str]], voxel_size: Any) -> "tup
             start, step = start + step * (lengths[name] - 1), -step
         first.append(start)
         edge.append(step)
-        units.append(str(array.coords[name].attrs.get("units", "")) if has else "")
+        units.append(unit_of(array.coords[name]) if has else "")
     if voxel_size is not None:
         return array, dims, voxel_size, None, None
     if len(set(units)) > 1:

@@ -3,6 +3,8 @@
 Volumes, particles and models have the units that their files state, or that they were made with. Models and pickles keep the texts.
 """
 import functools
+import os
+import warnings
 import weakref
 from typing import Any, Callable, NamedTuple, Optional
 
@@ -228,8 +230,21 @@ def _convert(convert: _Made) -> _Made:
     return converted
 
 
+def _save(save: Callable[..., None]) -> Callable[..., None]:
+    """The method save of volumes, with a warning where the file drops units."""
+
+    @functools.wraps(save)
+    def saved(self: Any, file: Any, *args: Any, fields: Any = None, **named: Any) -> None:
+        save(self, file, *args, fields=fields, **named)
+        units = [*units_of(self), *(field.get("unit") for field in (fields or {}).values() if isinstance(field, dict))]
+        if os.fspath(file).lower().endswith(".nvdb") and any(unit is not None and str(unit) for unit in units):
+            warnings.warn(f"save: {os.fspath(file)}: .nvdb keeps no units; .vdb does", stacklevel=2)
+
+    return saved
+
+
 def accept_quantities() -> None:
-    """Makes from_numpy and from_blocks accept Quantities, and convert hand units on."""
+    """Makes from_numpy and from_blocks accept Quantities, convert hand units on, and save name those that a file drops."""
     module: Any = _vog
     for owner, call, name, first in (
         (module.Volume, "from_numpy", "array", _array),
@@ -239,6 +254,8 @@ def accept_quantities() -> None:
         lattice = owner is module.Volume
         setattr(owner, call, staticmethod(_with_units(getattr(owner, call), name, first, lattice)))
     module.convert = _convert(module.convert)
+    for owner in (module.Volume, module.Levels):
+        owner.save = _save(owner.save)
 
 
 def with_unit(array: Any, unit: Any, call: str) -> Any:

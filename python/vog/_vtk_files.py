@@ -1,4 +1,6 @@
 """Files of VTK, by pyvista or VTK: grids whose points lie evenly, and cells of any shape."""
+import logging
+import re
 import warnings
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence
 
@@ -6,7 +8,7 @@ import numpy as np
 
 from . import _vog
 from ._files import At, beside
-from ._grids import density_of, lattice, lead_of, named, one_grid
+from ._grids import by_name, density_of, lattice, lead_of, named, one_grid
 from ._packages import need
 
 # Readers of VTK's own, by which its files are read without pyvista.
@@ -21,8 +23,69 @@ _GHOSTS, _GHOST_POINTS, _HIDDEN_POINT = 1 | 8 | 32, 1 | 2, 2
 _EVEN = 1e-3
 
 
+class _Heard(logging.Handler):
+    """What VTK and pyvista report while they read, in place of their logs."""
+
+    def __init__(self, core: Any) -> None:
+        super().__init__()
+        self.logged: "List[str]" = []
+        self.log, self.window, self.own = core.vtkLogger, core.vtkOutputWindow, core.vtkStringOutputWindow()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.logged.append("ERROR: " + record.getMessage())
+
+    def __enter__(self) -> "_Heard":
+        self.before = self.window.GetInstance(), self.log.GetCurrentVerbosityCutoff()
+        self.window.SetInstance(self.own)
+        self.log.SetStderrVerbosity(self.log.VERBOSITY_OFF)
+        logging.getLogger().addHandler(self)
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        logging.getLogger().removeHandler(self)
+        self.window.SetInstance(self.before[0])
+        self.log.SetStderrVerbosity(self.before[1])
+
+    def fault(self) -> str:
+        """The first error in one line, without the place in VTK's sources; '': none."""
+        text = "\n".join([self.own.GetOutput(), *self.logged])
+        found = re.search(r"(?:ERROR: |Generic Warning: (?=[^\n]*\n(?:.*: )?Error reading))(?:In vtk\w+\.\w+, line \d+\s*\n)?(?:\S+ \(\w+\): )?(.*)", text)
+        return found[1].strip() if found else ""
+
+
+def _short_of_numbers(path: str, data: Any) -> bool:
+    """Whether a text of VTK's legacy format has fewer words than its data numbers, of which VTK says nothing."""
+    with open(path, "rb") as file:
+        if [next(file, b"").strip() for _ in range(3)][2] != b"ASCII":
+            return False
+        words = sum(len(line.split()) for line in file)
+    parts = [data.GetPointData(), data.GetCellData()] if data.IsA("vtkDataSet") else []
+    arrays = [part.GetAbstractArray(n) for part in parts for n in range(part.GetNumberOfArrays())]
+    places = 3 * data.GetNumberOfPoints() if data.IsA("vtkPointSet") else 0
+    return bool(words < places + sum(array.GetNumberOfValues() for array in arrays))
+
+
 def dataset(path: str, at: At = {}) -> Any:
-    """Data of a file, of one time, as an object of VTK's: by pyvista where it is, else by VTK."""
+    """Data of a file, of one time, as an object of VTK's. Raises vog.Error for a file, or a part of it, that cannot be read whole."""
+    try:
+        core = need("vtkmodules.vtkCommonCore", f"load: {path}")
+    except ImportError as error:
+        raise ImportError(f"load: {path}: neither pyvista nor vtk is installed, expected one of them: pip install pyvista", name=error.name) from None
+    with _Heard(core) as heard, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "The VTK reader")  # pyvista's
+        data = _dataset(path, at)
+    fault = heard.fault()
+    if not fault and path.lower().endswith(".vtk") and _short_of_numbers(path, data):
+        fault = "the file ends before its numbers do"
+    if fault and not re.search(r"\.p?vt\w+$|\.pvd$", path.lower()) and leaves_of(data):
+        warnings.warn(f"{path}: VTK reports: {fault}", stacklevel=5)  # codes write files with less than VTK looks for
+    elif fault:
+        raise _vog.Error(f"{path}: VTK cannot read it: {fault}")
+    return data
+
+
+def _dataset(path: str, at: At) -> Any:
+    """Data of a file, by pyvista where it is, else by VTK."""
     extension = path[path.rfind(".") :].lower()
     module, name = _READERS.get(extension, ("", ""))
     pyvista: Any = None
@@ -32,10 +95,7 @@ def dataset(path: str, at: At = {}) -> Any:
         if not module:
             raise
     if module and (extension == ".pvts" or not pyvista):
-        try:
-            reader = getattr(need(f"vtkmodules.{module}", f"load: {path}"), name)()
-        except ImportError as error:
-            raise ImportError(f"load: {path}: neither pyvista nor vtk is installed, expected one of them: pip install pyvista", name=error.name) from None
+        reader = getattr(need(f"vtkmodules.{module}", f"load: {path}"), name)()
         beside(path, {}, at)
         reader.SetFileName(path)
         reader.Update()
@@ -270,7 +330,7 @@ def _with_density(path: str, leaves: "List[Any]", density: str) -> "tuple[List[A
     return kept, density
 
 
-def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]", thickness: float, clip: bool) -> Any:
+def _cells(path: str, leaves: "List[Any]", density: str, fields: Any, thickness: float, clip: bool) -> Any:
     """Cells of all blocks, with density and fields of their points or cells; of one name in both, those of the cells."""
     leaves, density = _with_density(path, leaves, density)
     mesh = _mesh_of(path, leaves)
@@ -291,7 +351,7 @@ def _cells(path: str, leaves: "List[Any]", density: str, fields: "Sequence[str]"
         main = values[density]
         main = {**main, "value": np.maximum(main["value"], 0) if clip else main["value"]}
     return _vog.Cells(
-        mesh.points, mesh.corners, mesh.types, main, ends=mesh.ends, fields={name: field(name) for name in fields},
+        mesh.points, mesh.corners, mesh.types, main, ends=mesh.ends, fields={name: field(array) for name, array in by_name(fields).items()},
         thickness=thickness, name=density, source=path,
     )  # fmt: skip
 
@@ -312,7 +372,7 @@ def _outside(data: Any, shape: Any, cells: bool) -> Any:
 
 
 def read_vtk(
-    path: str, wanted: str, at: At, density: str = "", fields: "Optional[Sequence[str]]" = None, thickness: "Optional[float]" = None, clip_negative: bool = False
+    path: str, wanted: str, at: At, density: str = "", fields: Any = None, thickness: "Optional[float]" = None, clip_negative: bool = False
 ) -> Any:
     """Arrays of an even grid, of its points or, where the density is theirs, of its cells; Cells of every other mesh."""
     leaves = leaves_of(dataset(path, at))
@@ -320,7 +380,7 @@ def read_vtk(
         raise _vog.Error(f"{path}: no arrays of numbers at points or in cells, expected one at least")
     places = _places(leaves[0]) if len(leaves) == 1 else None
     if places is None:
-        return _cells(path, leaves, density, fields or [], thickness or 0.0, clip_negative)
+        return _cells(path, leaves, density, fields, thickness or 0.0, clip_negative)
     (shape, matrix), data = places, leaves[0]
     points, cells = arrays_of(data.GetPointData()), arrays_of(data.GetCellData())
     in_cells = not points or (bool(cells) and lead_of(list({**points, **cells}), wanted, path)[0] in cells)

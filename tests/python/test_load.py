@@ -483,7 +483,7 @@ def test_simulations_bring_fields(tmp_path):
     covering = vog.load(tmp_path / "plt0", level=0)
     np.testing.assert_allclose(covering.to_numpy(), density, rtol=1e-6)
     levels.save(tmp_path / "l.vdb", fields=fields)
-    assert vog.grid_names(tmp_path / "l.vdb") == ["density", "heat_L0"]
+    assert vog.grid_names(tmp_path / "l.vdb") == ["density", "heat"]
 
 
 def test_uneven_and_curved_simulations_are_refused():
