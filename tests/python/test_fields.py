@@ -94,15 +94,16 @@ def test_clips_cut_maps_of_models_and_voxels(volume, model, renderer):
     x = np.mean(model.box, axis=0)[0]
     options = dict(size=32, show="mean", field="temperature")
     whole = vog.render(model, renderer=renderer, **options)
+    options["camera"] = whole.camera  # clips have their own frame
     low = vog.render(model, renderer=renderer, clip_planes=[(-1, 0, 0, -x)], **options)
     high = vog.render(model, renderer=renderer, clip=[[x, -99, -99], [99, 99, 99]], **options)
     assert 0.1 * whole.column.sum() < low.column.sum() < 0.9 * whole.column.sum()
     assert np.allclose(low.column + high.column, whole.column, atol=2e-5 * whole.column.max())
     voxels = vog.render(volume, fields=FIELDS, clip_planes=[(-1, 0, 0, -x)], **options)
     assert voxels.column.sum() == pytest.approx(low.column.sum(), rel=0.1)
-    t = vog.render(model, size=32, renderer=renderer, clip_planes=[(-1, 0, 0, -x)], extinction=1)
+    t = vog.render(model, whole.camera, size=32, renderer=renderer, clip_planes=[(-1, 0, 0, -x)], extinction=1)
     assert np.allclose(np.asarray(t), low.column, atol=2e-5 * whole.column.max())
-    column = vog.Scene(model).render(size=32, show="column", renderer=renderer, clip_planes=[(-1, 0, 0, -x)])
+    column = vog.Scene(model).render(whole.camera, size=32, show="column", renderer=renderer, clip_planes=[(-1, 0, 0, -x)])
     assert np.array_equal(np.asarray(column), np.asarray(t))
     with pytest.raises(vog.Error, match="clip box"):
         vog.render(model, clip=[[1, 1, 1], [0, 2, 2]], **options)

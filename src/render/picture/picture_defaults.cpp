@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <tuple>
 
 #include "data/views/mass_lattice.h"
 #include "render/splat/splat.h"
@@ -20,7 +21,12 @@ namespace {
 /// The part that a clip leaves; all of it where nothing stays, or a point.
 Subject clipped(Subject subject, const Clipping& clip) {
     constexpr double kLeast = 1e-9;  // radius of the part, as a share of that of the box
+    if (clip.empty()) return subject;
     std::vector<Vec3d> hull = subject.content.hull;
+    // In one order, and each once: ranks have the points of each other's parts.
+    std::ranges::sort(hull, {}, [](Vec3d p) { return std::tuple(p.x, p.y, p.z); });
+    const auto again = std::ranges::unique(hull);
+    hull.erase(again.begin(), again.end());
     const auto cut = [&](Vec3d normal, double offset) {
         const auto above = [&](Vec3d p) { return dot(p, normal) - offset; };
         std::vector<Vec3d> kept;

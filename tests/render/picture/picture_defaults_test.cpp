@@ -218,7 +218,9 @@ TEST(picture_defaults, views_are_fitted_to_what_a_clip_leaves) {
     EXPECT_LT(length(seen.upper - Vec3d{7.5, 7.5, 7.5}), 0.2);
     for (const double offset : {-1e3, 1e3, 22.5}) {  // cuts nothing; leaves nothing; leaves a point
         request.options.clip = {{}, {{{1, 1, 1}, offset}}};
-        EXPECT_EQ(shown_by(request, all).content.hull, all.content.hull);
+        Box whole;
+        for (const Vec3d& point : shown_by(request, all).content.hull) whole.include(point);
+        EXPECT_EQ(whole, all.content.voxels);
     }
     request.marks.axes = true;
     request.options.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
