@@ -57,7 +57,8 @@ void complete(Picture& picture) {
 }
 
 /// Colours over the range of a volume, as a colour bar takes them; none where nothing is opaque.
-TransferFunction bar_of(const ChosenTransfer& chosen) {
+/// is_plane  whether a plane shows them, as opaque as they are
+TransferFunction bar_of(const ChosenTransfer& chosen, bool is_plane = false) {
     constexpr std::size_t kSteps = 1024;  // pixels of a bar, about
     std::vector<Rgba> colors;
     const auto& [kind, low, high] = chosen.scale;
@@ -66,8 +67,12 @@ TransferFunction bar_of(const ChosenTransfer& chosen) {
         const double value = kind == ColorScale::Kind::log ? low * std::pow(high / low, share)
                                                            : std::lerp(low, high, share);
         const ValueLight light = light_of(chosen.transfer, value);
+        const double opacity = is_plane
+                                   ? -std::expm1(-light.extinction * chosen.transfer.unit_distance)
+                               : light.extinction > 0 ? 1
+                                                      : 0;
         colors.push_back({static_cast<float>(light.r), static_cast<float>(light.g),
-                          static_cast<float>(light.b), light.extinction > 0 ? 1.0f : 0.0f});
+                          static_cast<float>(light.b), static_cast<float>(opacity)});
     }
     return sampled_transfer_function(chosen.transfer.name, colors);
 }
@@ -157,7 +162,8 @@ void mark_layers(Picture& picture, const Scene& scene) {
         if (same > 1 && n < scene.layers.size() && !scene.layers[n].name.empty())
             around.label += " of " + std::filesystem::path(scene.layers[n].name).stem().string();
         picture.image =
-            beside_bar(picture, bar_of(layer.chosen), layer.chosen.scale, around, layer);
+            beside_bar(picture, bar_of(layer.chosen, made.request.layers[n].plane.has_value()),
+                       layer.chosen.scale, around, layer);
         if (!marks.color_bar) return;
         around.title.clear(), around.sides.reset();
     }
