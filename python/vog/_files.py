@@ -109,7 +109,8 @@ def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
         raise _vog.Error(f"{path}: '{wanted}' holds no numbers but {variables[wanted].dtype}; {listed(list(arrays)) or 'no other variable'} holds some in three dimensions")
     if not arrays:
         shapes = ", ".join(f"{name} {array.shape}" + ("" if array.dtype.kind in "fiub" else " of no numbers") for name, array in variables.items())
-        raise _vog.Error(f"{path}: {shapes or 'no variables'}, expected a variable of three dimensions")
+        older = "" if hasattr(xarray, "open_groups") else " (those in groups need a newer xarray: pip install -U xarray)"
+        raise _vog.Error(f"{path}: {shapes or 'no variables' + older}, expected a variable of three dimensions")
     lead = arrays[lead_of(list(arrays), wanted, path)[0]]
     others: "Callable[[Any], Dict[Any, int]]" = lambda array: {axis: array.sizes[axis] for axis in array.dims if axis not in axes_of(array)}
     beside(path, {axis: 1 for array in arrays.values() for axis in others(array)}, dict.fromkeys(at, 0))

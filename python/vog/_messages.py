@@ -67,6 +67,7 @@ def _shortened(call: Callable[..., Any], failure: "type[Exception]", name: str =
 def _without_constructor(kind: type) -> Callable[..., Any]:
     makers = [f"{kind.__name__}.{name}" for name, function in vars(kind).items() if isinstance(function, staticmethod) and name[0] != "_"]
 
+    @functools.wraps(kind.__init__)  # type: ignore[misc]
     def refused(self: Any, *args: Any, **named: Any) -> None:
         raise TypeError(f"{kind.__name__}: has no constructor; use {' or '.join(makers) or 'what calls of vog return'}")
 
