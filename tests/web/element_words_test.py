@@ -131,8 +131,11 @@ class Fingers(ElementTest):
         self.assertEqual(self.swipe(), [eye, True])
         self.value("new Promise((done) => setTimeout(() => done(scrollTo(0, 0)), 400))")  # a tap ends what still scrolls
         self.assertEqual(self.value("document.activeElement === view()"), False)
-        self.browser.touch([(180, 200)])
-        self.until("document.activeElement === view()")
+        for _ in range(20):  # a tap while the page still scrolls ends that, and a slow one is a long press
+            self.browser.touch([(180, 200)])
+            if self.value("new Promise((done) => setTimeout(() => done(document.activeElement === view()), 400))"):
+                break
+        self.assertTrue(self.value("document.activeElement === view()"))
         self.assertEqual(self.value("getComputedStyle(canvas()).touchAction"), "none")
         turned, scrolls = self.swipe()
         self.assertEqual(scrolls, False)
