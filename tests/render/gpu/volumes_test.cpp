@@ -163,7 +163,6 @@ TEST_F(gpu_volumes, have_the_references_maps_of_fields) {
         const std::vector<Volume> volumes{leaves_and_tiles(1, map), leaves_and_tiles(2, map)};
         const Box box = box_of_leaves(volumes[0]);
         for (const bool vector : {false, true}) {
-            if (vector && name != "sheared") continue;  // time
             const std::vector<VoxelField> fields{
                 random_field(volumes[0], vector ? 3 : 1, 3),
                 vector ? random_field(volumes[1], 3, 4) : own(volumes[1])};
