@@ -1,5 +1,4 @@
 """Pictures: requests in the words of `vog render`, and the pictures drawn from them."""
-import contextlib
 import inspect
 import json
 import os
@@ -130,9 +129,6 @@ def _plain(value: Any, key: str, nested: bool = False) -> Any:
             return json.loads(_vog._transfer_json(value))["tf"]
         except _vog.Error as error:
             raise _vog.Error(f"tf: {error}") from None
-    if key == "background" and isinstance(value, str) and "," in value:
-        with contextlib.suppress(ValueError):  # which the request refuses
-            return [float(part) for part in value.split(",")]
     if isinstance(value, _vog.Camera):
         lens = {"orthographic_width": value.orthographic_width} if value.orthographic_width else {"fov_degrees": value.fov_degrees}
         return {"eye": value.eye, "look_at": value.look_at, "up": value.up, **lens}

@@ -54,7 +54,7 @@ class _Heard(logging.Handler):
 
 
 def _short_of_numbers(path: str, data: Any) -> bool:
-    """Whether a text of VTK's legacy format has fewer words than its data numbers, of which VTK says nothing."""
+    """Whether a text of VTK's legacy format has fewer words than its data have numbers, which VTK does not report."""
     with open(path, "rb") as file:
         if [next(file, b"").strip() for _ in range(3)][2] != b"ASCII":
             return False

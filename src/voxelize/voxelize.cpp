@@ -82,7 +82,7 @@ bool is_empty(const IndexBox& box) {
     return box.lower.x > box.upper.x || box.lower.y > box.upper.y || box.lower.z > box.upper.z;
 }
 
-/// Voxels of which a box of the lattice holds a part.
+/// Voxels that lie within a box of the lattice, at least in part.
 IndexBox voxels_in(const Box& box) {
     constexpr double kRounding = 1e-3;  // of a voxel, by which faces of levels may miss each other
     IndexBox inside;

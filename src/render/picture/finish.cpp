@@ -69,8 +69,7 @@ TransferFunction bar_of(const ChosenTransfer& chosen, bool is_plane = false) {
         const ValueLight light = light_of(chosen.transfer, value);
         const double opacity = is_plane
                                    ? -std::expm1(-light.extinction * chosen.transfer.unit_distance)
-                               : light.extinction > 0 ? 1
-                                                      : 0;
+                                   : double(light.extinction > 0);
         colors.push_back({static_cast<float>(light.r), static_cast<float>(light.g),
                           static_cast<float>(light.b), static_cast<float>(opacity)});
     }

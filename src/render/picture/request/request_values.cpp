@@ -141,6 +141,8 @@ Rgba color_of(const std::string& key, const Json& value) {
     const std::string expected = "black, white, transparent or r,g,b, each 0 to 1";
     for (const char* name : {"black", "white", "transparent"})
         if (value == name) return named_background(name);
+    if (value.is_string() && value.get<std::string>().find(',') != std::string::npos)
+        return color_of(key, words_value(value.get<std::string>()));
     std::vector<double> c =
         row(key, value, value.is_array() && value.size() == 4 ? 4 : 3, expected);
     if (std::ranges::any_of(c, [](double part) { return !(part >= 0 && part <= 1); }))

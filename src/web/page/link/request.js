@@ -201,7 +201,7 @@ function askedOf(before, request, problems) {
 
 /**
  * Request of two, one after the other, but for the members of the second that a view has refused.
- * held  members that the view has for its transfer function or scale, of which another field has none; null: no view
+ * held  members that the view has for its transfer function or scale, which another field lacks; null: no view
  */
 export function joined(first, second, problems, held) {
   const all = { ...first };
