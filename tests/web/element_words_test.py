@@ -121,6 +121,17 @@ class Contexts(ElementTest):
 
 class Fingers(ElementTest):
     def swipe(self):
+        """Where the camera is after a swipe, and whether the page has scrolled.
+
+        The swipe begins at rest: a page scrolls on for a while after a finger has left it, and a browser takes the
+        places that fingers may scroll from the frame it showed last.
+        """
+        self.value("""(async () => {
+            for (let still = 0; still < 10; still = scrollY ? 0 : still + 1) {
+                scrollTo(0, 0);
+                await new Promise(requestAnimationFrame);
+            }
+        })()""")
         self.browser.touch(*([(180, 240 - 20 * n)] for n in range(8)))
         return self.value("view().picture().then(() => [view().camera.eye, scrollY > 0])")
 
@@ -129,8 +140,8 @@ class Fingers(ElementTest):
         self.host('<vog-view src="plume.vogz" subframes="1" style="width: 100%; height: 220px"></vog-view><p style="height: 2000px">')
         eye = self.value("view().picture().then(() => view().camera.eye)")
         self.assertEqual(self.swipe(), [eye, True])
-        self.value("new Promise((done) => setTimeout(() => done(scrollTo(0, 0)), 400))")  # a tap ends what still scrolls
         self.assertEqual(self.value("document.activeElement === view()"), False)
+        self.value("new Promise((done) => setTimeout(() => done(scrollTo(0, 0)), 400))")  # a tap ends what still scrolls
         for _ in range(20):  # a tap while the page still scrolls ends that, and a slow one is a long press
             self.browser.touch([(180, 200)])
             if self.value("new Promise((done) => setTimeout(() => done(document.activeElement === view()), 400))"):
