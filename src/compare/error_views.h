@@ -81,7 +81,7 @@ class ErrorViews {
     explicit ErrorViews(const Gaussians& finest,
                         const std::function<DepthImage(const Camera&)>& draw = {});
     RelativeError relative_l2(const Gaussians& model) const;
-    /// Error of the same voxels, interpolated linearly between their centres.
+    /// Error of the same voxels, interpolated linearly between their centres, in a fifth of the pixels.
     /// parts  as given to the constructor
     RelativeError interpolation(std::span<const Volume> parts) const;
     /// Root mean square over all pixels of the visible error, dV^2 + kDepthErrorWeight dT^2, under
@@ -99,7 +99,9 @@ class ErrorViews {
     /// returns  whether the pictures have the mass of the data
     bool set_reference(std::span<const Volume> parts);
     /// Sum of (T - T_ref)^2 and T_ref^2 of one view.
-    void add_view(std::size_t view, const DepthImage& image, SquareSums& sums) const;
+    /// fifth  whether of the pixels of is_fifth() alone
+    void add_view(std::size_t view, const DepthImage& image, SquareSums& sums,
+                  bool fifth = false) const;
     /// Calls take(view, image) for the depth image of the model from each view.
     template <class Take>
     void for_each_picture(const Gaussians& model, const Take& take) const;

@@ -9,6 +9,10 @@
 
 namespace vog {
 
+/// Whether a pixel is one of the fifth of a picture that estimates take: a knight's move apart in every row and column, so that every other
+/// pixel has exactly one of them beside it.
+constexpr bool is_fifth(int column, int row) { return (column + 2 * row) % 5 == 0; }
+
 /// Division of a picture into tiles, pixels.
 struct PixelTiles {
     int width, height;

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <span>
 #include <vector>
 
+#include "render/pixel_tiles.h"
 #include "render/reference/reference.h"
 #include "render/splat/splat.h"
 #include "vog/convert_moments.h"
@@ -43,6 +45,31 @@ TEST(error_views, a_spoiled_gaussian_has_the_largest_error) {
     const std::vector<float> errors = views.error_of_each_gaussian(model);
     EXPECT_EQ(std::ranges::max_element(errors) - errors.begin(),
               static_cast<std::ptrdiff_t>(spoiled));
+}
+
+TEST(error_views, each_pixel_has_one_of_the_fifth_at_or_beside_it) {
+    for (int y = 1; y < 12; ++y)
+        for (int x = 1; x < 12; ++x)
+            EXPECT_EQ(is_fifth(x, y) + is_fifth(x - 1, y) + is_fifth(x + 1, y) +
+                          is_fifth(x, y - 1) + is_fifth(x, y + 1),
+                      1);
+}
+
+TEST(error_views, a_fifth_of_the_rays_are_those_of_the_whole_picture) {
+    const Volume volume = sample_explosion({.size = 32});
+    const Camera camera = error_views(world_box(volume)).front();
+    const VoxelGrid grid = voxel_grid(volume, {Interpolation::linear, 0});
+    ReferenceOptions fifth;
+    fifth.fifth = true;
+    const DepthImage whole = render_reference(std::span(&grid, 1), camera, 64, 64);
+    const DepthImage part = render_reference(std::span(&grid, 1), camera, 64, 64, fifth);
+    const auto sum = [](const DepthImage& image) {
+        return std::accumulate(image.depth.begin(), image.depth.end(), 0.0);
+    };
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x)
+            EXPECT_EQ(part.at(x, y), is_fifth(x, y) ? whole.at(x, y) : 0.0f);
+    EXPECT_NEAR(5 * sum(part), sum(whole), 0.02 * sum(whole));
 }
 
 /// One voxel far away makes the box of the data 3000 times as large as all else.

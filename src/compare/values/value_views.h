@@ -16,12 +16,13 @@ namespace vog::comparison {
 /// Errors of one model's pictures by value.
 struct ValueErrors {
     RelativeError relative_l2;
-    std::vector<std::vector<float>> square;  ///< [views][pixels] summed over functions
+    /// [views][pixels] summed over functions; of pixels that are not compared that of the one beside them that is
+    std::vector<std::vector<float>> square;
 };
 
 /// Pictures of the data by value from several directions, under the functions of compare/values/value_functions.h, and
 /// the errors of models against them: relative L2 of premultiplied colour and alpha,
-/// sqrt(sum |c - c_ref|^2 / sum |c_ref|^2) over pixels and functions.
+/// sqrt(sum |c - c_ref|^2 / sum |c_ref|^2) over a fifth of the pixels (is_fifth in render/pixel_tiles.h) and all functions.
 class ValueViews {
   public:
     /// Pictures of voxels, constant in each.

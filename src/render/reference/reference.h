@@ -85,6 +85,8 @@ struct ReferenceOptions {
     /// Processes that each have a part of the voxels and make the same calls (vog-mpi), for maps of fields, maxima and
     /// pictures by value, which are complete on the root; T adds without it. Null: this process has all voxels.
     const Collective* collective = nullptr;
+    /// For estimates, of T and pictures by value: pixels other than those of is_fifth() (render/pixel_tiles.h) may be left 0.
+    bool fifth = false;
 };
 
 /// Optical depth T per pixel at extinction 1, summed over the grids.
@@ -154,11 +156,12 @@ struct OtherVoxels {
     const ReferenceOptions& options = {}, const VolumeLook& look = {},
     const VoxelGridOptions& voxels = {}, const OtherVoxels& others = {});
 /// Such pictures, unlit, of constant voxels, from several cameras under several transfer functions: each ray is walked once.
+/// options  whether fifth; no clip, one process
 /// returns  [cameras][transfers]
 [[nodiscard]] std::vector<std::vector<VolumeImage>> render_volume_references(
     std::span<const Volume> volumes, std::span<const VoxelField> fields,
     std::span<const ValueTransfer> transfers, std::span<const Camera> cameras, int width,
-    int height);
+    int height, const ReferenceOptions& options = {});
 /// Largest value of the voxels on the ray through each pixel, exactly: constant in each voxel, all active voxels.
 /// volumes  as of render_volume_reference
 /// options  samples: mean over those rays of a pixel that meet voxels

@@ -66,6 +66,7 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
         return depth(origin, direction, visible_segment(options.clip, origin, direction));
     };
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        if (options.fifth && !is_fifth(column, row)) return;
         check_interrupt();
         double sum = 0;
         for (int y = 0; y < n; ++y)

@@ -185,6 +185,7 @@ std::vector<VolumeImage> pictures_of(std::size_t count, const Camera& camera, in
         image.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const int samples = options.samples;
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        if (options.fifth && !is_fifth(column, row)) return;
         check_interrupt();
         thread_local std::vector<Compositor> light, sum;
         sum.assign(count, {0, 0, 0, 0});
@@ -330,7 +331,7 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
 std::vector<std::vector<VolumeImage>> render_volume_references(
     std::span<const Volume> volumes, std::span<const VoxelField> fields,
     std::span<const ValueTransfer> transfers, std::span<const Camera> cameras, int width,
-    int height) {
+    int height, const ReferenceOptions& options) {
     check_fields(volumes, fields, FieldPart::value);
     const std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
     const lights::Illumination everywhere;
@@ -340,7 +341,7 @@ std::vector<std::vector<VolumeImage>> render_volume_references(
     std::vector<std::vector<VolumeImage>> images;
     for (const Camera& camera : cameras)
         images.push_back(
-            pictures_of(transfers.size(), camera, width, height, {}, {},
+            pictures_of(transfers.size(), camera, width, height, options, {},
                         [&](const WorldRay& ray, Segment within, std::span<Compositor> light) {
                             add_light(grids, lighting, ray, within, light);
                         }));
