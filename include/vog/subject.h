@@ -44,6 +44,12 @@ struct Content {
 
     /// Content of both; its hull is unknown where one is, its units where they differ. How the first stands counts.
     void include(const Content& other);
+    /// Box of the hull; empty where that is not known.
+    Box hull_box() const {
+        Box box;
+        for (const Vec3d& point : hull) box.include(point);
+        return box;
+    }
 };
 
 /// Data as a view frames them.

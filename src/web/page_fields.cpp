@@ -84,7 +84,7 @@ Json fields_json(const Gaussians& model, const Camera& view) {
         entry["unitDistance"] = map_unit_distance(data, scale);
         // Those of other ranges, and of stated opacities.
         entry["unitOf"] = {unit.middle, std::isfinite(unit.thickness) ? unit.thickness : 0,
-                           rough_unit_distance(data.box)};
+                           rough_unit_distance(data)};
         entry["steepest"] = steepest_gradient(
             scene_of(std::shared_ptr<const Gaussians>(std::shared_ptr<void>(), &model)),
             field.name);

@@ -5,6 +5,7 @@
 
 #include "support/command.h"
 #include "support/level_volumes.h"
+#include "vog/compare_maps.h"
 #include "vog/convert_labels.h"
 #include "vog/ply.h"
 #include "vog/volume_io.h"
@@ -104,6 +105,28 @@ TEST_F(labels_command, edges_are_as_sharp_as_cells) {
                 }
         EXPECT_GT(2 * both / either, 0.95) << wanted;  // Dice
     }
+}
+
+TEST_F(labels_command, slices_show_the_densest) {
+    write("t.ctbl", "1 left 255 0 0 255\n2 right 0 255 0 255\n3 ball 0 0 255 255\n");
+    must("convert gas.vdb --labels seg.vdb --block 2 -o m.ply");
+    must(
+        "render m.ply --show slice --plane z=16 --field label --tf t.ctbl -o s.png --values-out "
+        "s.npy --size 64 --view +z --width 32 --look-at 16,16,16");
+    const auto map = read_map(dir_ / "s.npy");
+    int wrong = 0, seen = 0;
+    for (int row = 0; row < map.height; ++row)
+        for (int column = 0; column < map.width; ++column) {
+            const float value = map.value[static_cast<std::size_t>(row * map.width + column)];
+            if (std::isnan(value)) continue;
+            EXPECT_EQ(value, std::rint(value));
+            const Vec3i at{column / 2, (map.height - 1 - row) / 2, 16};
+            ++seen, wrong += value != static_cast<float>(label_at(at));
+        }
+    EXPECT_GT(seen, 3500);
+    EXPECT_LT(wrong, 0.05 * seen);
+    must_fail(2, "render m.ply --show maximum --field label --tf t.ctbl -o s.png",
+              "--tf: t is a table of labels, and maxima of a model lie between them");
 }
 
 TEST_F(labels_command, share_a_budget) {

@@ -88,13 +88,26 @@ TEST_F(slices_command, have_the_colours_of_a_files_values) {
         must_fail(2, render + " --tf tf.json --range 0,9", "--range: tf states values of its own");
         must_fail(2, render + " --tf tf.json --scale log", "--scale: tf states values of its own");
     }
-    for (const char* show : {"T", "column", "deviation --field density"})
+    for (const char* show : {"T", "column", "mean --field density", "deviation --field density"})
         must_fail(2, std::string("render cube.vdb -o s.png --tf o.ctbl --show ") + show,
                   "--tf: o is a table of labels");
     must_fail(2, slice + "o.ctbl --samples 4", "--samples: o is a table of labels, whose averages");
     must_fail(2, slice + "o.ctbl --thickness 1", "--thickness: o is a table of labels");
     must_fail(2, "render cube.vdb -o s.png --show volume --tf o.ctbl --interpolation linear",
               "--interpolation: o is a table of labels");
+}
+
+TEST_F(slices_command, of_values_below_0_show_them) {
+    Volume volume = read_vdb(dir_ / "cube.vdb");
+    for (Leaf& leaf : volume.leaves)
+        for (int n = 0; n < kLeafVoxels; ++n) leaf.set(n, static_cast<float>((n & 7) - 5));
+    write_vdb(dir_ / "signed.vdb", volume);
+    for (const char* field : {"", " --field density"}) {
+        must("render signed.vdb -o s.png --show slice --plane z=0.7 --values-out s.npy" +
+             std::string(field));
+        const ValueMap map = read_map(dir_ / "s.npy");
+        EXPECT_EQ(map.value[map.value.size() / 2 + 256], -4) << field;
+    }
 }
 
 TEST_F(slices_command, are_turned_in_their_plane) {

@@ -54,15 +54,20 @@ std::size_t covered_by(const Picture& picture) {
     }));
 }
 
-/// Whether the plane of a slice almost holds the eye, or the direction of parallel rays: few rays meet it.
-bool is_edge_on(const PictureRequest& request) {
-    if (request.show != Show::slice) return false;
-    const Camera& camera = *request.camera;
-    const Vec3d normal = normalized(request.plane->normal), away = camera.look_at - camera.eye;
-    const double above =
-        dot(normal, camera.eye) - *request.plane->offset / length(request.plane->normal);
+/// Whether a plane almost holds the eye, or the direction of parallel rays: few rays meet it.
+bool is_edge_on(const SlicePlane& plane, const Camera& camera) {
+    const Vec3d normal = normalized(plane.normal), away = camera.look_at - camera.eye;
+    const double above = dot(normal, camera.eye) - *plane.offset / length(plane.normal);
     const double slope = camera.orthographic() ? dot(normal, away) : above;
     return std::abs(slope) < 0.05 * length(away);
+}
+/// Whether the plane of a slice, or of a layer, is seen like that.
+bool has_edge_on(const PictureRequest& request) {
+    const auto edge_on = [&](const std::optional<SlicePlane>& plane) {
+        return plane && is_edge_on(*plane, *request.camera);
+    };
+    return (request.show == Show::slice && edge_on(request.plane)) ||
+           std::ranges::any_of(request.layers, edge_on, &Layer::plane);
 }
 
 /// Figures of the numbers of a picture.
@@ -133,8 +138,8 @@ RenderedPicture figures_of(const RenderArguments& arguments, const SceneInputs& 
         picture.notes.push_back(
             fmt::format("{}: only {} of {} pixels show anything: {}",
                         arguments.drawing.inputs.front(), count_text(covered), count_text(pixels),
-                        is_edge_on(made.request) ? "the plane is seen edge-on; another --view "
-                                                   "shows it, and none looks along its normal"
+                        has_edge_on(made.request) ? "the plane is seen edge-on; another --view "
+                                                    "shows it, and none looks along its normal"
                         : made.request.options.clip.empty()
                             ? "the data are smaller than a pixel or outside the view; --look-at, "
                               "--distance and --orthographic --width change it"
@@ -339,7 +344,9 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
         return layered ? load_layers(arguments.drawing, request, ranks, view)
                        : load_scene(arguments.drawing, request, ranks, view);
     });
-    if (!request.field.empty() && !inputs.field.empty()) request.field = inputs.field;
+    // A slice without a field is of densities, which signed values are not.
+    if (!inputs.field.empty() && (!request.field.empty() || request.show == Show::slice))
+        request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;
     PictureRenderer renderer(inputs.scene);
     // Light from the upper left is that of the first view.

@@ -98,8 +98,10 @@ void GlSlabs::require_targets(const GlVolume& volume, int width, int height) {
 void GlSlabs::set_light(const GlVolume& volume) {
     if (volume.field->id() == lit_field_ && lit_transfer_ == *volume.transfer()) return;
     const ScalarField& values = *volume.values;
-    const by_value::LightOfMoments& made = light_ = by_value::LightOfMoments(
-        *volume.transfer(), by_value::value_range(values), values.is_measure);
+    by_value::ValueRange range = by_value::value_range(values);
+    range.order.clear();  // planes of values are linear in the shaders
+    const by_value::LightOfMoments& made = light_ =
+        by_value::LightOfMoments(*volume.transfer(), range, values.is_measure);
     ++lights_;
     const auto upload = [](GLuint texture, int width, int height, const float* texels) {
         glBindTexture(GL_TEXTURE_2D, texture);

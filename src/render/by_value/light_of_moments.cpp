@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "render/by_value/value_pieces.h"
+#include "vog/distributed.h"
 
 namespace vog::by_value {
 
@@ -133,19 +134,65 @@ void join_pieces(std::vector<device::LightPiece>& pieces) {
 
 }  // namespace
 
-ValueRange value_range(const ScalarField& field) {
-    const bool labels =
-        std::ranges::all_of(field.value, [](float value) { return value == std::rint(value); }) &&
-        std::ranges::all_of(field.deviation, [](float deviation) { return deviation == 0; }) &&
-        std::ranges::all_of(field.gradient, [](Vec3f gradient) { return gradient == Vec3f{}; });
-    if (field.upper > field.lower) return {field.lower, field.upper, field.background, labels};
+double ValueRange::share(double value) const {
+    if (order.empty()) return (value - lower) / (upper - lower);
+    const auto at = std::ranges::lower_bound(order, value, std::less<>());
+    const double between = at != order.end() && double{*at} == value ? 0 : 0.5;
+    return (static_cast<double>(at - order.begin()) - between) /
+           static_cast<double>(order.size() - 1);
+}
+
+double ValueRange::value(double share) const {
+    if (order.empty()) return lower + share * (upper - lower);
+    const double last = static_cast<double>(order.size() - 1);
+    return order[static_cast<std::size_t>(std::rint(std::clamp(share, 0.0, 1.0) * last))];
+}
+
+/// ValueRange::order
+static std::vector<float> labels_of(const ScalarField& field, const Collective* processes) {
+    constexpr std::size_t kMost = 512;
+    constexpr double kMostNumbers = 1 << 16;  // from the least to the largest, of several processes
+    std::vector<float> labels;
+    const auto whole = [&](float value) {
+        const auto at = std::ranges::lower_bound(labels, value);
+        if (at == labels.end() || *at != value) labels.insert(at, value);
+        return value == std::rint(value) && labels.size() <= kMost;
+    };
+    double others =
+        std::ranges::any_of(field.deviation, [](float deviation) { return deviation != 0; }) ||
+        std::ranges::any_of(field.gradient, [](Vec3f gradient) { return gradient != Vec3f{}; }) ||
+        !std::ranges::all_of(field.value, whole);
+    const bool shared = processes && processes->several();
+    if (shared) processes->max({&others, 1});
+    if (others > 0 || (!shared && labels.size() < 2)) return {};
+    const double numbers = field.upper - field.lower + 1;
+    if (!shared) return labels;
+    if (!(numbers <= kMostNumbers)) return {};
+    std::vector<double> there(static_cast<std::size_t>(numbers));
+    for (const float label : labels) there[static_cast<std::size_t>(label - field.lower)] = 1;
+    processes->max(there);
+    labels.clear();
+    for (std::size_t n = 0; n < there.size(); ++n)
+        if (there[n] > 0)
+            labels.push_back(static_cast<float>(field.lower + static_cast<double>(n)));
+    return labels;
+}
+
+ValueRange value_range(const ScalarField& field, const Collective* processes) {
+    if (field.upper > field.lower) {
+        std::vector<float> labels = labels_of(field, processes);
+        return {field.lower, field.upper, field.background, !labels.empty(), std::move(labels)};
+    }
     const double margin = std::max(std::abs(field.lower), 1e-300) * 1e-3;
     return {field.lower - margin, field.upper + margin, field.background};
 }
 
 LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& range,
-                               bool per_value, double unit) {
-    add_pieces(transfer, range, per_value, unit);
+                               bool per_value, double unit)
+    : range_(range) {
+    shape_.labels = !range.order.empty();
+    shape_.labels ? add_labels(transfer, per_value, unit) : add_pieces(transfer, per_value, unit);
+    set_seen();
     shape_.gradient = gradient_factor(transfer);
     if (shape_.gradient.any())
         per_gradient_ = (range.upper - range.lower) / transfer.gradient.back().magnitude;
@@ -158,13 +205,13 @@ LightOfMoments::LightOfMoments(const ValueTransfer& transfer, const ValueRange& 
     low = std::max(low - margin, 0.0), high = std::min(high + margin, 1.0);
     shape_.low = static_cast<float>(low), shape_.high = static_cast<float>(high);
     shape_.per_range = 0.5f, shape_.per_part = static_cast<float>(0.5 / (high - low));
-    fill_table(range.labels);
+    fill_table();
     resolved_ = follows();
     surface_ = has_surface(transfer);
 }
 
-void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange& range,
-                                bool per_value, double unit) {
+void LightOfMoments::add_pieces(const ValueTransfer& transfer, bool per_value, double unit) {
+    const ValueRange& range = range_;
     const UnitLight light(transfer, range, per_value, unit);
     std::vector<double> ends{range.lower, range.upper};
     const auto add = [&](double value) {
@@ -183,6 +230,23 @@ void LightOfMoments::add_pieces(const ValueTransfer& transfer, const ValueRange&
         divider.divide(from, light(from + inside), to, light(to - inside), 0);
     }
     join_pieces(pieces_);
+}
+
+void LightOfMoments::add_labels(const ValueTransfer& transfer, bool per_value, double unit) {
+    const UnitLight light(transfer, range_, per_value, unit);
+    const double last = static_cast<double>(range_.order.size() - 1);
+    for (std::size_t n = 0; n < range_.order.size(); ++n) {
+        device::LightPiece& piece = pieces_.emplace_back();
+        const double at = static_cast<double>(n);
+        piece.start = static_cast<float>((at - 0.5) / last);
+        piece.end = static_cast<float>((at + 0.5) / last);
+        const Sum sum = light(double{range_.order[n]});
+        for (std::size_t c = 0; c < 4; ++c)
+            piece.first[c] = piece.last[c] = static_cast<float>(sum[c]);
+    }
+}
+
+void LightOfMoments::set_seen() {
     // Pieces that floats cannot hold leave gaps.
     for (std::size_t n = 0; n + 1 < pieces_.size(); ++n) pieces_[n].end = pieces_[n + 1].start;
     pieces_.front().start = 0, pieces_.back().end = 1;
@@ -205,7 +269,7 @@ float LightOfMoments::value_at(double position) const {
                                                   (position - at_low) / (at_high - at_low));
 }
 
-void LightOfMoments::fill_table(bool labels) {
+void LightOfMoments::fill_table() {
     constexpr int kColumns = device::MeanLight::kColumns, kOctaves = device::MeanLight::kOctaves;
     const device::LightPieces pieces = mean_light().pieces;
     table_.resize(std::size_t{4} * device::MeanLight::kRows * kColumns);
@@ -214,7 +278,7 @@ void LightOfMoments::fill_table(bool labels) {
         value[static_cast<std::size_t>(n)] = value_at(double(n) / (kColumns - 1));
     vog::parallel_for(0, device::MeanLight::kRows, [&](int row) {
         const double deviation =
-            row == 0 || labels
+            row == 0 || range_.labels
                 ? 0
                 : std::sqrt(double{device::MeanLight::kMostVariance} * std::exp2(row - kOctaves));
         // A quarter of the deviation apart, and linear between; columns are at most 2 / kColumns apart.

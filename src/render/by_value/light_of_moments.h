@@ -10,18 +10,25 @@
 #include "vog/gaussians.h"
 #include "vog/value_transfer.h"
 
+namespace vog {
+struct Collective;
+}
+
 namespace vog::by_value {
 
 /// Range of a field's data, widened where all values are one: values as shares of it.
 struct ValueRange {
     double lower = 0, upper = 1;
     double background = 0;  ///< of the measure itself: its density is the value above this
-    /// Whether all values are whole and none has a spread: where two labels meet, none lies between them.
+    /// Whether all values are few, whole, and without spread: where two labels meet, none lies between them.
     bool labels = false;
-    double share(double value) const { return (value - lower) / (upper - lower); }
-    double value(double share) const { return lower + share * (upper - lower); }
+    /// All labels, whose shares are even from each to the next; empty: shares are linear.
+    std::vector<float> order{};
+    double share(double value) const;
+    double value(double share) const;
 };
-ValueRange value_range(const ScalarField& field);
+/// processes  that have parts of the field and make the same call; null: this one alone
+ValueRange value_range(const ScalarField& field, const Collective* processes = nullptr);
 
 /// A transfer function prepared for moments.
 class LightOfMoments {
@@ -48,18 +55,21 @@ class LightOfMoments {
     }
     const std::vector<device::LightPiece>& pieces() const { return pieces_; }
     const std::vector<float>& table() const { return table_; }
+    const ValueRange& range() const { return range_; }
     /// Whether the table follows the transfer function; else bands of it are narrower than the table's columns.
     bool resolved() const { return resolved_; }
     /// has_surface of the transfer function.
     bool surface() const { return surface_; }
 
   private:
-    void add_pieces(const ValueTransfer& transfer, const ValueRange& range, bool per_value,
-                    double unit);
-    void fill_table(bool labels);
+    void add_pieces(const ValueTransfer& transfer, bool per_value, double unit);
+    void set_seen();
+    void add_labels(const ValueTransfer& transfer, bool per_value, double unit);
+    void fill_table();
     bool follows() const;
     float value_at(double position) const;
 
+    ValueRange range_;
     std::vector<device::LightPiece> pieces_;
     std::vector<float> table_;   ///< of MeanLight
     device::MeanLight shape_{};  ///< its columns

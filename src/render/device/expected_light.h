@@ -56,6 +56,7 @@ struct MeanLight {
     float parts_per_cell;         ///< slabs, or other parts of the depth; 0: values are mixed
     GradientFactor gradient;
     float per_gradient;  ///< share of GradientFactor by a part's gradient
+    bool labels;         ///< values are ranks of labels, and none lies between two
 
     VOG_HD float position(float mean) const {
         return mean * per_range + (fminf(fmaxf(mean, low), high) - low) * per_part;

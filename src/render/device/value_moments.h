@@ -43,23 +43,25 @@ struct NormalPair {
     /// Rounding of sums hides the third moment of less.
     static constexpr float kLeastVariance = 1e-5f;
     static constexpr float kMostSkewness = 3;
+    /// Of labels, of which a part has two: they are the pair. Less of one of them than this variance says is not seen.
+    static constexpr float kLeastOfLabels = 2e-6f, kMostOfLabels = 1000;
 
     float high, low;  ///< means, within the range
     float high_variance, low_variance;
     float of_high;  ///< weight
 };
-VOG_HD NormalPair normal_pair(const ValueMoments& m) {
+VOG_HD NormalPair normal_pair(const ValueMoments& m, bool labels) {
     const float mean = fminf(fmaxf(m.mean, 0.0f), 1.0f);
-    if (!(m.variance > NormalPair::kLeastVariance))
-        return {mean, mean, m.variance, m.variance, 0.5f};
+    if (!(m.variance > (labels ? NormalPair::kLeastOfLabels : NormalPair::kLeastVariance)))
+        return {mean, mean, labels ? 0 : m.variance, labels ? 0 : m.variance, 0.5f};
+    const float most = labels ? NormalPair::kMostOfLabels : NormalPair::kMostSkewness;
     const float deviation = sqrtf(m.variance);
-    const float skewness =
-        fminf(fmaxf(m.third / (m.variance * deviation), -NormalPair::kMostSkewness),
-              NormalPair::kMostSkewness);
-    const float u = NormalPair::kPerCube * skewness, root = sqrtf(u * u + 4);
-    const float half = 0.5f * NormalPair::kShare * deviation;
+    const float skewness = fminf(fmaxf(m.third / (m.variance * deviation), -most), most);
+    const float u = (labels ? 1 : NormalPair::kPerCube) * skewness, root = sqrtf(u * u + 4);
+    const float half = 0.5f * (labels ? 1 : NormalPair::kShare) * deviation;
     const float high = fminf(fmaxf(m.mean + half * (u + root), 0.0f), 1.0f);
     const float low = fminf(fmaxf(m.mean + half * (u - root), 0.0f), 1.0f);
+    if (labels) return {high, low, 0, 0, 0.5f * (1 - u / root)};
     const float above = fminf(high, 1 - high), below = fminf(low, 1 - low);
     return {high, low, fminf(NormalPair::kNarrow * m.variance, above * above),
             fminf(NormalPair::kNarrow * m.variance, below * below), 0.5f * (1 - u / root)};
@@ -89,7 +91,7 @@ VOG_HD float gradient_factor(const MeanLight& light, const ValueMoments& m) {
 /// division  of the part that has parts_per_cell: how many of these it would take
 VOG_HD void mean_light_of(const MeanLight& light, const ValueMoments& m, float division,
                           float out[4]) {
-    const NormalPair pair = normal_pair(m);
+    const NormalPair pair = normal_pair(m, light.labels);
     float low[4];
     light.light(pair.high, pair.high_variance, out);
     light.light(pair.low, pair.low_variance, low);
@@ -201,7 +203,7 @@ VOG_HD void composite_slab(const MeanLight& light, const LitRay& ray, int32_t sl
     const float trend = fmaxf(trend_between(own, before), trend_between(own, behind));
     const float division =
         division_of(color[3] * own.tau, trend, own.variance, ray.look->on || light.gradient.any());
-    if (!(division > 0)) return composite(color, own.tau, seen);
+    if (light.labels || !(division > 0)) return composite(color, own.tau, seen);
     // Steps together have the slab's weight and mean.
     float whole = 0, first = 0;
     for (int32_t k = 0; k < kSurfaceSteps; ++k) {

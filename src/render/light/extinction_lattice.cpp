@@ -197,7 +197,7 @@ void add_extinction(const Gaussians& gaussians, const ScalarField& field,
                     const LightOfMoments& light, double unit, const Collective* processes,
                     ExtinctionLattice& lattice) {
     lattice.surfaces |= light.surface();
-    const ValueRange range = value_range(field);
+    const ValueRange& range = light.range();
     std::vector<LatticeGaussian> all(gaussians.size());
     vog::parallel_for(std::size_t{0}, gaussians.size(), [&](std::size_t i) {
         all[i] = on_lattice(gaussians, field, range, i, lattice);

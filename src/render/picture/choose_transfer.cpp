@@ -77,6 +77,7 @@ ValueSpread spread_of(const ValueData& data) {
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field) {
     ValueData data{field.lower, field.upper,      field.spread, view_box(gaussians),
                    0,           field.is_measure, {},           field.background};
+    data.content = gaussians.content.hull_box();
     const double full = std::pow(2 * std::numbers::pi, 1.5) * mass_within(double{gaussians.cutoff});
     for (std::size_t i = 0; i < gaussians.size(); ++i) {
         const Vec3d s = vec_cast<double>(gaussians.scale[i]);
@@ -141,6 +142,8 @@ ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
     using Kind = ColorScale::Kind;
     // Rays end in outer layers of low values: linear colours of a decade and more would be dark.
     constexpr double kLogRatio = 10, kDecades = 1e4;
+    // Where most of the data has the least value, that lies as far above the range's low end, not at it, where nothing is seen.
+    constexpr double kLeast = 0.15;
     const ValueSpread spread = spread_of(data);
     const double high = spread.known ? spread.high : data.upper;
     double low = spread.known ? spread.low : data.lower;
@@ -149,18 +152,26 @@ ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
         if (!(high > 0))
             throw Error(fmt::format("a logarithmic range of values from {} to {}, expected above 0",
                                     data.lower, data.upper));
+        if (spread.known && spread.middle <= low * 1.01) low *= std::pow(low / high, kLeast);
         low = std::max(low, high / kDecades);
         return {Kind::log, low < high ? low : high / 10, high};
     }
+    if (low < high && spread.known && spread.middle <= low + 0.01 * (high - low))
+        low -= kLeast * (high - low);
     if (low < high) return {Kind::linear, low, high};
     // Data of one value: from 0, which has no opacity, to that value.
     if (high == 0) return {Kind::linear, 0, 1};
     return {Kind::linear, std::min(0.0, high), std::max(0.0, high)};
 }
 
-double rough_unit_distance(const Box& box) {
-    const double radius = box.empty() ? 0 : box.radius();
-    return radius > 0 ? rounded(0.02 * radius, 4) : 1;
+double rough_unit_distance(const ValueData& data) {
+    const double radius = data.box.empty() ? 0 : data.box.radius();
+    if (!(radius > 0)) return 1;
+    const Box& shown = data.content.empty() ? data.box : data.content;
+    const Vec3d edge = shown.upper - shown.lower;
+    const double density = data.mass / (edge.x * edge.y * edge.z);
+    const double unit = 0.02 * radius * (data.is_measure ? 1 : density);
+    return rounded(unit > 0 && std::isfinite(unit) ? unit : 0.02 * radius, 4);
 }
 
 MapUnit map_unit(const ValueData& data) {
@@ -180,7 +191,7 @@ double map_unit_distance(const ValueData& data, const ColorScale& scale) {
     const double share = scale_position(scale, of.middle);
     const double opacity = scale.kind == ColorScale::Kind::log ? share * share : share;
     const double unit = std::max(opacity, 0.1) * of.thickness;
-    return unit > 0 && std::isfinite(unit) ? rounded(unit, 2) : rough_unit_distance(data.box);
+    return unit > 0 && std::isfinite(unit) ? rounded(unit, 2) : rough_unit_distance(data);
 }
 
 ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& data) {
@@ -194,7 +205,7 @@ ChosenTransfer choose_transfer(const TransferRequest& request, const ValueData& 
                                     request.range->first, request.range->second}
                        : value_scale(data, request.log);
     const bool log = chosen.scale.kind == Kind::log;
-    const double unit = request.unit_distance.value_or(rough_unit_distance(data.box));
+    const double unit = request.unit_distance.value_or(rough_unit_distance(data));
     if (!request.unit_distance) chosen.unit_distance = UnitDistance::rough;
     bool is_ramp = false;
     if (request.window) {

@@ -159,23 +159,21 @@ PictureRequest request_of(const Layer& layer, const PictureRequest& whole, bool 
     return request;
 }
 
-/// throws  RequestError for members of a layer that its kind has not
-void require_layer_effects(const Layer& layer, bool is_surface) {
-    const TransferRequest& t = layer.transfer;
-    const bool has_values = !layer.field.empty() || layer.plane || t.range || t.log || t.window ||
-                            !t.bands.empty() || t.threshold || t.unit_distance ||
-                            !t.gradient.empty() || !t.points.points.color.empty() ||
-                            layer.fit != ScaleFit::automatic;
-    if (is_surface && has_values)
-        throw RequestError("layers", ": a surface has no values, expected color or opacity");
-    if (layer.plane && has_gradient(t))
-        throw RequestError("layers", ": a plane shows values, without gradient opacity");
-    if (!is_surface && layer.color)
-        throw RequestError("layers", ": only a surface has a color; use tf or band");
-    if (!is_surface && layer.opacity && !layer.plane)
-        throw RequestError("layers",
-                           ": only planes and surfaces have an opacity; use unit_distance, the "
-                           "length that opacities refer to");
+/// Opacities of layers of one file under one range compare: those that state no unit distance have the longest of theirs.
+void share_unit_distances(ResolvedPicture& picture) {
+    const std::vector<Layer>& layers = picture.request.layers;
+    const auto shares = [&](std::size_t n) {
+        return layers[n].visible && !layers[n].plane && layers[n].transfer.range &&
+               picture.layers[n].chosen.unit_distance == UnitDistance::of_map;
+    };
+    const auto unit = [&](std::size_t n) -> double& {
+        return picture.layers[n].chosen.transfer.unit_distance;
+    };
+    for (std::size_t n = 0; n < layers.size(); ++n)
+        for (std::size_t k = 0; k < layers.size(); ++k)
+            if (shares(n) && shares(k) && layers[k].input == layers[n].input &&
+                layers[k].transfer.range == layers[n].transfer.range)
+                unit(n) = std::max(unit(n), unit(k));
 }
 
 /// Each layer as a picture of its own, and the request that states them.
@@ -202,6 +200,7 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         if (names.empty()) picture.field = own.field, picture.chosen = own.chosen;
         names += (names.empty() ? "" : ", ") + field_label(own.field);
     }
+    share_unit_distances(picture);
     picture.name = "volume of " + names;
 }
 
@@ -285,6 +284,7 @@ ValueData value_data(const Scene& scene, const std::string& field) {
         data = value_data(*scene.model().model, *scene.model().model->fields.find_scalar(field));
     }
     data.box = scene.subject.box;
+    data.content = scene.subject.content.hull_box();
     if (!scene.collective || !scene.collective->several()) return data;
     const bool none = scene.has_voxels() && scene.voxels().volumes->volumes.empty();
     constexpr double kNone = -std::numeric_limits<double>::infinity();

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "render/picture/source_renderer.h"
+#include "shade/values/label_table.h"
 
 namespace vog::pictures {
 
@@ -54,7 +55,8 @@ SliceOptions slice_options(const ResolvedPicture& picture, const Progress& progr
             request.options.clip,
             request.options.samples,
             request.options.kappa,
-            progress};
+            progress,
+            shading::is_label_table(request.transfer.points)};
 }
 
 void set_slice(const ResolvedPicture& picture, Sums& sums) {

@@ -20,6 +20,8 @@ struct SliceOptions {
     int samples = 1;      ///< N: a pixel is the mean over N x N points, [1, 64]
     double kappa = 0;     ///< cutoff of Gaussians (cutoff_of_kappa)
     Progress progress{};  ///< called with the finished fraction
+    /// Of a model: means are the value with the largest density, not between several.
+    bool labels = false;
 };
 
 /// Density of an active voxel of density 0, whose field counts where nothing else does.

@@ -107,6 +107,7 @@ struct SlicePicture {
     const SlicePoints& points;
     double cutoff;
     const std::vector<CutGaussian>& cuts;
+    const ScalarField* labels;  ///< that `cuts` are sorted by; null: other values
     FieldMaps& maps;
 
     void draw_row(int row) const;
@@ -144,15 +145,33 @@ void SlicePicture::draw_row(int row) const {
     const auto width = static_cast<std::size_t>(points.frame().width);
     std::vector<std::optional<Vec3d>> at(width);
     for (std::size_t n = 0; n < width; ++n) at[n] = points.at(static_cast<double>(n), row);
-    std::vector<RaySums> sums(width);
-    for (const CutGaussian& cut : cuts)
-        if (cut.top <= row && row <= cut.bottom) add(cut, row, at, sums);
+    std::vector<RaySums> sums(width), densest(labels ? width : 0);
+    std::vector<double> of_others(densest.size());
+    const CutGaussian* before = nullptr;
+    const auto end_label = [&] {
+        for (std::size_t n = 0; n < densest.size(); ++n) {
+            if (sums[n].column > densest[n].column) std::swap(sums[n], densest[n]);
+            of_others[n] += sums[n].column;
+            sums[n] = {};
+        }
+    };
+    for (const CutGaussian& cut : cuts) {
+        if (row < cut.top || cut.bottom < row) continue;
+        if (labels && before && labels->value[before->index] != labels->value[cut.index])
+            end_label();
+        add(cut, row, at, sums);
+        before = &cut;
+    }
+    if (labels) end_label(), sums.swap(densest), of_others.resize(width);
     for (std::size_t n = 0; n < width; ++n) {
         const double reference = shown ? shown->reference_along(normalized(
                                              points.frame().direction(static_cast<double>(n), row)))
                                        : 0;
-        set_pixel(maps, static_cast<std::size_t>(row) * width + n, sums[n], sums[n].column,
-                  reference, shown ? shown->unit : 0);
+        const double column = sums[n].column + (labels ? of_others[n] : 0);
+        set_pixel(maps, static_cast<std::size_t>(row) * width + n, sums[n], column, reference,
+                  shown ? shown->unit : 0);
+        float& mean = maps.mean[static_cast<std::size_t>(row) * width + n];
+        if (labels) mean = std::rint(mean);
     }
 }
 
@@ -176,9 +195,15 @@ FieldMaps slice_model(const Gaussians& gaussians, const FieldChoice& choice, con
     const SlicePoints points(frame, plane, clip);
     std::optional<ShownField> shown;
     if (!choice.field.empty()) shown = shown_field(gaussians, choice, frame, cutoff);
-    const std::vector<CutGaussian> cuts = Cuts(gaussians, points, plane, cutoff).all();
+    std::vector<CutGaussian> cuts = Cuts(gaussians, points, plane, cutoff).all();
+    const ScalarField* const labels =
+        options.labels ? gaussians.fields.find_scalar(choice.field) : nullptr;
+    if (labels)
+        std::ranges::stable_sort(cuts, {},
+                                 [&](const CutGaussian& cut) { return labels->value[cut.index]; });
     FieldMaps maps = empty_maps(width, height);
-    const SlicePicture picture{gaussians, shown ? &*shown : nullptr, points, cutoff, cuts, maps};
+    const SlicePicture picture{gaussians, shown ? &*shown : nullptr, points, cutoff, cuts, labels,
+                               maps};
     struct Nothing {};
     for_each_tile(
         PixelTiles{width, height, width, 1}, options.progress,

@@ -104,14 +104,64 @@ TEST(light_of_moments, no_label_lies_between_two_that_meet) {
     field.value[1] = 1.5f;
     ASSERT_FALSE(value_range(field).labels);
     const LightOfMoments values(second, value_range(field), false);
-    const float mean = 0.5f / 5, variance = 0.25f / 25, third = 0;
-    const auto extinction = [&](const LightOfMoments& light) {
+    const auto extinction = [&](const LightOfMoments& light, float step) {
         float out[4];
-        device::mean_light_of(light.mean_light(), {1, mean, variance, third, {0, 0, 0}}, 1, out);
+        device::mean_light_of(light.mean_light(),
+                              {1, 0.5f * step, 0.25f * step * step, 0, {0, 0, 0}}, 1, out);
         return out[3];
     };
-    EXPECT_GT(extinction(values), 1e-5f);
-    EXPECT_EQ(extinction(labels), 0);
+    EXPECT_GT(extinction(values, 1.0f / 5), 1e-5f);
+    EXPECT_EQ(extinction(labels, 1.0f / 3), 0);
+}
+
+TEST(light_of_moments, labels_with_large_numbers_are_the_two_of_a_part) {
+    ScalarField field;
+    field.value = {0, 17, 53, 1035, 2035, 0};
+    field.lower = 0, field.upper = 2035;
+    field.gradient.resize(6), field.deviation.resize(6);
+    const ValueRange range = value_range(field);
+    ASSERT_EQ(range.order, (std::vector<float>{0, 17, 53, 1035, 2035}));
+    for (std::size_t n = 0; n < range.order.size(); ++n) {
+        EXPECT_EQ(range.share(double{range.order[n]}), static_cast<double>(n) / 4);
+        EXPECT_EQ(range.value(static_cast<double>(n) / 4 + 0.1), double{range.order[n]});
+    }
+    EXPECT_EQ(range.share(30), 1.5 / 4);
+    // Each label but 0 has a colour of its own: red, green, blue, white.
+    ValueTransfer transfer{"organs", {}, {}, 1};
+    const float colors[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+    for (std::size_t n = 0; n < 4; ++n)
+        for (const double end : {-0.5, 0.5}) {
+            const double value = double{range.order[n + 1]} + end;
+            transfer.color.push_back({value, colors[n][0], colors[n][1], colors[n][2]});
+            if (end < 0) transfer.opacity.push_back({value, 0});
+            transfer.opacity.push_back({value, 0.5});
+            if (end > 0) transfer.opacity.push_back({value, 0});
+        }
+    const LightOfMoments light(transfer, range, false);
+    const double extinction = std::log(2);
+    for (const std::size_t first : {0u, 1u, 3u})
+        for (std::size_t second = first + 1; second < 5; ++second)
+            for (const double weight : {0.01, 0.1, 0.5, 0.95}) {
+                // Moments of two labels, as single precision has them.
+                const double a = static_cast<double>(first) / 4;
+                const double step = static_cast<double>(second) / 4 - a;
+                const double spread = weight * (1 - weight) * step * step;
+                const device::ValueMoments m{1,
+                                             static_cast<float>(a + weight * step),
+                                             static_cast<float>(spread),
+                                             static_cast<float>(spread * (1 - 2 * weight) * step),
+                                             {0, 0, 0}};
+                float out[4];
+                device::mean_light_of(light.mean_light(), m, 1, out);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const auto of = [&](std::size_t n) {
+                        return n == 0 ? 0.0 : extinction * double{colors[n - 1][c]};
+                    };
+                    EXPECT_NEAR(double{out[c]}, (1 - weight) * of(first) + weight * of(second),
+                                1e-3)
+                        << first << ' ' << second << ' ' << weight << ' ' << c;
+                }
+            }
 }
 
 TEST(light_of_moments, any_band_is_met_beside_any_range) {

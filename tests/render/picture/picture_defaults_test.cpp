@@ -233,8 +233,15 @@ TEST(picture_defaults, data_without_extent_mass_or_range_have_one) {
     const auto scale_of = [](double value) {
         return value_scale({value, value, {value, value, value, true}, {}, 1, true, {}});
     };
-    EXPECT_EQ(rough_unit_distance({}), 1);
-    EXPECT_EQ(rough_unit_distance({{1, 1, 1}, {1, 1, 1}}), 1);
+    EXPECT_EQ(rough_unit_distance(ValueData{}), 1);
+    EXPECT_EQ(rough_unit_distance({.box = {{1, 1, 1}, {1, 1, 1}}}), 1);
+    // A hundredth of the diagonal, 6; of a field beside a density of 1000 in half of the box 1000 times as much.
+    ValueData data{.box = {{0, 0, 0}, {4, 4, 2}}, .mass = 16000, .is_measure = true};
+    EXPECT_EQ(rough_unit_distance(data), 0.06);
+    data.is_measure = false;
+    EXPECT_EQ(rough_unit_distance(data), 30);
+    data.content = {{0, 0, 0}, {4, 2, 2}};
+    EXPECT_EQ(rough_unit_distance(data), 60);
     EXPECT_EQ(map_unit_distance({}, scale_of(1)), 1);
     const Box box{{0, 0, 0}, {1, 2, 2}};
     EXPECT_EQ(map_unit_distance({0, 0, {}, box, 0, true, {}}, scale_of(1)), 0.03);

@@ -138,6 +138,12 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
             throw RequestError(key, " is for voxels, not for cells, which are drawn exactly");
     }
     require_rules(request, renderer);
+    const TransferPoints& points = request.transfer.points;
+    if (request.show == Show::maximum && input == RenderInput::gaussians &&
+        shading::is_label_table(points))
+        throw RequestError("tf", fmt::format(": {} is a table of labels, and maxima of a model lie "
+                                             "between them; expected `show` slice or volume",
+                                             points.points.name));
 }
 
 namespace {
@@ -165,9 +171,9 @@ std::optional<ColorScale> stated_scale(const PictureRequest& request) {
     const auto& [show, points, range] =
         std::tie(request.show, request.transfer.points, request.transfer.range);
     const bool of_values = show == Show::mean || show == Show::slice || is_by_value(show);
-    if (!of_values && shading::is_label_table(points))
+    if ((!of_values || show == Show::mean) && shading::is_label_table(points))
         throw RequestError("tf", fmt::format(": {} is a table of labels; `show` {} shows none, "
-                                             "expected `show` slice, volume, mean or maximum",
+                                             "expected `show` slice, volume or maximum",
                                              points.points.name, word_of(show)));
     require_whole_labels(request);
     if (of_values && points.at_values) {

@@ -178,4 +178,22 @@ std::vector<Layer> layers_of_channels(std::span<const Channel> grids) {
     return layers;
 }
 
+void require_layer_effects(const Layer& layer, bool is_surface) {
+    const TransferRequest& t = layer.transfer;
+    const bool has_values = !layer.field.empty() || layer.plane || t.range || t.log || t.window ||
+                            !t.bands.empty() || t.threshold || t.unit_distance ||
+                            !t.gradient.empty() || !t.points.points.color.empty() ||
+                            layer.fit != ScaleFit::automatic;
+    if (is_surface && has_values)
+        throw RequestError("layers", ": a surface has no values, expected color or opacity");
+    if (layer.plane && has_gradient(t))
+        throw RequestError("layers", ": a plane shows values, without gradient opacity");
+    if (!is_surface && layer.color)
+        throw RequestError("layers", ": only a surface has a color; use tf or band");
+    if (!is_surface && layer.opacity && !layer.plane)
+        throw RequestError("layers",
+                           ": only planes and surfaces have an opacity; use unit_distance, the "
+                           "length that opacities refer to");
+}
+
 }  // namespace vog

@@ -32,30 +32,33 @@ struct PairLanes {
 };
 /// device::normal_pair.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE PairLanes<V> normal_pair(D d, const MomentLanes<V>& m) {
+HWY_INLINE PairLanes<V> normal_pair(D d, const MomentLanes<V>& m, bool labels) {
     using device::NormalPair;
+    const float most = labels ? NormalPair::kMostOfLabels : NormalPair::kMostSkewness;
     const auto set = [&](float v) { return hn::Set(d, v); };
     const V zero = hn::Zero(d), one = set(1);
-    const auto spread = hn::Gt(m.variance, set(NormalPair::kLeastVariance));
+    const auto spread =
+        hn::Gt(m.variance, set(labels ? NormalPair::kLeastOfLabels : NormalPair::kLeastVariance));
     const V deviation = hn::Sqrt(m.variance);
     const V cube = hn::Max(hn::Mul(m.variance, deviation), set(1e-12f));
-    const V skew = hn::Min(hn::Max(hn::Div(m.third, cube), set(-NormalPair::kMostSkewness)),
-                           set(NormalPair::kMostSkewness));
-    const V u = hn::Mul(skew, set(NormalPair::kPerCube));
+    const V skew = hn::Min(hn::Max(hn::Div(m.third, cube), set(-most)), set(most));
+    const V u = hn::Mul(skew, set(labels ? 1 : NormalPair::kPerCube));
     const V root = hn::Sqrt(hn::MulAdd(u, u, set(4)));
-    const V half = hn::IfThenElseZero(spread, hn::Mul(deviation, set(0.5f * NormalPair::kShare)));
+    const V half = hn::IfThenElseZero(
+        spread, hn::Mul(deviation, set(0.5f * (labels ? 1 : NormalPair::kShare))));
     const auto share = [&](V offset) {
         return hn::Min(hn::Max(hn::MulAdd(half, offset, m.mean), zero), one);
     };
     const V variance =
         hn::IfThenElse(spread, hn::Mul(m.variance, set(NormalPair::kNarrow)), m.variance);
     const V high = share(hn::Add(u, root)), low = share(hn::Sub(u, root));
+    const V of_high = hn::MulAdd(hn::Div(u, root), set(-0.5f), set(0.5f));
+    if (labels) return {high, low, of_high, zero, zero};
     const auto within = [&](V mean) {
         const V room = hn::Min(mean, hn::Sub(one, mean));
         return hn::IfThenElse(spread, hn::Min(variance, hn::Mul(room, room)), variance);
     };
-    return {high, low, hn::MulAdd(hn::Div(u, root), set(-0.5f), set(0.5f)), within(high),
-            within(low)};
+    return {high, low, of_high, within(high), within(low)};
 }
 
 /// Place in a row of MeanLight's table, and how much of the next column counts.
@@ -141,7 +144,7 @@ HWY_INLINE LightLanes<V> mean_light(D d, const device::MeanLight& light, const M
     constexpr std::size_t kMost = TilePixels::kMaxLanes;
     const hn::RebindToSigned<D> di;
     const auto set = [&](float v) { return hn::Set(d, v); };
-    const PairLanes<V> pair = normal_pair(d, m);
+    const PairLanes<V> pair = normal_pair(d, m, light.labels);
     V factor = set(1);
     if (light.gradient.any()) {
         factor = gradient_factor(d, light, m);
@@ -357,6 +360,7 @@ HWY_NOINLINE bool composite_slab(D d, const SlabLight& light, int slab, CellView
         SeenLanes<V> seen = before;
         V division = zero;
         auto divides = hn::And(counts, hn::Gt(depth, hn::Set(d, kSurfaceDepth)));
+        if (light.light.labels) divides = hn::FirstN(d, 0);
         if (!hn::AllFalse(d, divides)) {
             const V one = hn::Set(d, 1.0f);
             const NeighbourLanes<V> beside[2] = {neighbour(d, cell, slab - 1, n, own),

@@ -117,7 +117,7 @@ SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const Sla
     : gaussians(&of),
       field(&of_model),
       look(options.look),
-      range(value_range(of_model)),
+      range(value_range(of_model, options.collective)),
       processes(options.collective && options.collective->count > 1 ? options.collective : nullptr),
       precision(options.precision) {
     if (options.slabs < 1 || options.slabs > kMostSlabs)
