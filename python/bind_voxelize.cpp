@@ -65,8 +65,20 @@ py::object voxelized(const Gaussians& model, const std::optional<double>& voxel_
     return fields ? py::object(py::make_tuple(volume, arrays)) : volume;
 }
 
-py::tuple triangles_of(const Volume& volume, double value) {
-    const Surface surface = unlocked([&] { return isosurface(volume, value); });
+py::tuple triangles_of(const py::object& data, double value,
+                       const std::optional<double>& voxel_size) {
+    Surface surface;
+    if (py::isinstance<Gaussians>(data)) {
+        const Gaussians& model = data.cast<const Gaussians&>();
+        surface = unlocked(
+            [&] { return isosurface(surface_volume(model, voxel_size.value_or(0)), value); });
+    } else if (py::isinstance<Volume>(data)) {
+        if (voxel_size) throw Error("isosurface: voxel_size has no effect on a Volume");
+        const Volume& volume = data.cast<const Volume&>();
+        surface = unlocked([&] { return isosurface(volume, value); });
+    } else {
+        refuse_data(data, "isosurface", "a Volume or Gaussians");
+    }
     const auto rows = [](const auto& of, auto number) {
         py::array_t<decltype(number)> array({static_cast<py::ssize_t>(of.size()), py::ssize_t{3}});
         std::memcpy(array.mutable_data(), of.data(), of.size() * sizeof(of.front()));
@@ -102,11 +114,14 @@ volume's index_box, 0 at inactive voxels (docs/voxelize.md).
 >>> abs(back.mass / volume.mass - 1) < 1e-3
 True)");
     m.def(
-        "isosurface", &triangles_of, py::arg("volume"), py::arg("value"),
+        "isosurface", &triangles_of, py::arg("data"), py::arg("value"), py::kw_only(),
+        py::arg("voxel_size") = py::none(),
         R"(Surface around the voxels of a volume above a value, closed: linear between voxel centres, 0 in inactive voxels.
 
-volume  Volume; of a model voxelize(model, voxel_size=...)
-value   in the unit of the volume, above 0; of scans above their background
+data        Volume, or Gaussians, which are divided into voxels first
+value       in the unit of the volume, above 0; of scans above their background
+voxel_size  edge of a model's voxels, world units; None: one and a half times the median standard deviation of its Gaussians, at
+            least a 256th of its box's longest edge
 
 Returns (points, triangles): float64 [P, 3], world units, and uint32 [N, 3], counter-clockwise from outside.
 

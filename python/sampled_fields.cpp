@@ -47,6 +47,9 @@ SampledFields sampled_fields(const py::object& data, const py::object& fields, c
 }
 
 py::dict one_field(const py::object& fields, const std::string& name, const std::string& call) {
+    if (fields.is_none())
+        throw Error(call + ": no field '" + name + "' with the volume, expected fields={'" + name +
+                    "': array}, its values at the voxels");
     if (!py::isinstance<py::dict>(fields))
         throw Error(call + ": fields: expected {'" + name + "': array}, the field at the voxels");
     py::dict one;

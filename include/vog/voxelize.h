@@ -66,6 +66,12 @@ Affine lattice_like(std::span<const Volume> volumes, std::optional<IndexBox>* ex
 [[nodiscard]] Voxelized voxelize(const Gaussians& model, const Affine& world_from_index,
                                  const VoxelizeOptions& options = {});
 
+/// Volume from which isosurface() (vog/surface.h) cuts a model's smooth surface.
+/// voxel_size  edge, world units; 0: one and a half times the median standard deviation of the Gaussians, at least a 256th of the
+///             longest edge of the model's box
+/// throws      vog::Error as voxelize does
+[[nodiscard]] Volume surface_volume(const Gaussians& model, double voxel_size = 0);
+
 /// Difference between two volumes of one lattice, voxel by voxel; densities outside of active voxels are 0.
 struct VoxelError {
     double relative_l2 = 0;  ///< sqrt(sum (b - a)^2 / sum a^2) over all voxels

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _vog
 from ._grids import Grids, lattice, lead_of, listed, one_grid
+from ._netcdf import classic_bytes
 from ._packages import need
 from ._readers import _EVEN, axes_of, note_curved, oriented, unit_of, unwritten, valid, valid_limits
 
@@ -90,6 +91,10 @@ def _sizes(shape: "Tuple[int, ...]") -> str:
 def read_xarray(path: str, wanted: str, at: At, voxel_size: Any) -> Grids:
     """Variables of three dimensions and more of NetCDF, GRIB or Zarr, along x, y and z."""
     xarray = need("xarray", f"load: {path}")
+    if "://" not in path and os.path.isfile(path):
+        size, whole = os.path.getsize(path), classic_bytes(path)
+        if size < whole:
+            raise _vog.Error(f"{path}: truncated: {size:,} bytes, expected {whole:,} by the head of NetCDF")
     try:
         data = xarray.open_zarr(path) if os.path.isdir(path) or "://" in path else xarray.open_dataset(path)
     except ImportError as error:
@@ -190,6 +195,9 @@ def read_ome_zarr(path: str, level: Optional[int], at: At) -> Grids:
     for step in (*image["datasets"][level].get("coordinateTransformations", ()), *image.get("coordinateTransformations", ())):
         factor = np.asarray(step.get("scale", 1.0), float)
         scale, place = scale * factor, place * factor + np.asarray(step.get("translation", 0.0), float)
+    for axis, edge in zip(names[-3:], scale[-3:]):
+        if not (edge > 0 and np.isfinite(edge)):
+            raise _vog.Error(f"{path}: the scale of axis {axis} is {edge:g} in coordinateTransformations, expected a size above 0")
     fixed = beside(path, {axis: array.shape[n] for n, axis in enumerate(names[:-3]) if axis != "c"}, at)
     channels = array.shape[names.index("c")] if "c" in names else 1
     labels = [str(one.get("label", f"c{n}")) for n, one in enumerate(stated.get("ome", stated).get("omero", {}).get("channels", []))]

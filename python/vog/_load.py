@@ -36,7 +36,7 @@ _KINDS = [
     Kind("NumPy arrays", (".npy", ".npz"), read_numpy),
     Kind("arrays in HDF5", (".h5", ".hdf5", ".hdf", ".he5"), read_hdf5),
     Kind("NetCDF or GRIB", (".nc", ".nc4", ".cdf", ".grib", ".grb", ".grib2", ".grb2"), read_xarray),
-    Kind("data of VTK", (".vtk", ".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vtmb", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd", ".exo", ".e", ".ex2",
+    Kind("data of VTK", (".vtk", ".vti", ".vtr", ".vts", ".vtu", ".vtp", ".vtm", ".vtmb", ".vtpc", ".vtpd", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvd", ".exo", ".e", ".ex2",
          ".case", ".foam", ".cgns"), read_vtk),
     YT, DICOM, _ZARR, _OPENPMD,
 ]  # fmt: skip

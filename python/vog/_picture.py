@@ -248,8 +248,10 @@ def render(
     >>> bool(np.asarray(cloud.image).mean() < np.asarray(vog.render(volume, size=64, show="volume", tf="white").image).mean())
     True
     """
-    if fields is not None and (request.get("show") in (None, "T", "column") or not request.get("field")):
-        raise _vog.Error("render: fields: expected field, the shown one, and a show that has one")
+    if fields is not None and request.get("show") in (None, "T", "column"):
+        raise _vog.Error("render: fields have no effect on show 'T' and 'column', expected another show, and field")
+    if fields is not None and not request.get("field"):
+        raise _vog.Error(f"render: show '{request['show']}': expected field, one of fields" + (f": {', '.join(map(str, fields))}" if isinstance(fields, dict) else ""))
     return Scene(data, fields).render(camera, size, progress=progress, **request)
 
 

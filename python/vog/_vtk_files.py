@@ -12,9 +12,9 @@ from ._grids import by_name, density_of, lattice, lead_of, named, one_grid
 from ._packages import need
 
 # Readers of VTK's own, by which its files are read without pyvista.
-_READERS = {".vtk": ("vtkIOLegacy", "vtkGenericDataObjectReader")}
-_READERS.update({f".vt{kind}": ("vtkIOXML", "vtkXMLGenericDataObjectReader") for kind in "irsupm"})
-_READERS[".pvts"] = ("vtkIOXML", "vtkXMLPStructuredGridReader")  # which pyvista lacks
+_READERS = {".vtk": ("vtkIOLegacy", "vtkGenericDataObjectReader"), **{f".vt{kind}": ("vtkIOXML", "vtkXMLGenericDataObjectReader") for kind in "irsupm"}}
+_LACKING = {".pvts": "PStructuredGrid", ".vtpd": "PartitionedDataSet", ".vtpc": "PartitionedDataSetCollection"}  # pyvista lacks them
+_READERS.update({extension: ("vtkIOXML", f"vtkXML{kind}Reader") for extension, kind in _LACKING.items()})
 # Files that may have several times.
 _TIMED = (".pvd", ".foam", ".case", ".exo", ".e", ".ex2")
 # Bits of vtkGhostType of cells that do not count: of another part, with finer ones in their place, hidden; and of points.
@@ -94,7 +94,7 @@ def _dataset(path: str, at: At) -> Any:
     except ImportError:
         if not module:
             raise
-    if module and (extension == ".pvts" or not pyvista):
+    if module and (extension in _LACKING or not pyvista):
         reader = getattr(need(f"vtkmodules.{module}", f"load: {path}"), name)()
         beside(path, {}, at)
         reader.SetFileName(path)
@@ -115,8 +115,9 @@ def leaves_of(data: Any) -> "list[Any]":
         return []
     if data.IsA("vtkDataSet"):
         return [data] if data.GetNumberOfPoints() else []
-    if data.IsA("vtkMultiBlockDataSet"):
-        return [leaf for n in range(data.GetNumberOfBlocks()) for leaf in leaves_of(data.GetBlock(n))]
+    for kind, part in (("MultiBlockDataSet", "Block"), ("PartitionedDataSetCollection", "PartitionedDataSet"), ("PartitionedDataSet", "Partition")):
+        if data.IsA(f"vtk{kind}"):
+            return [leaf for n in range(getattr(data, f"GetNumberOf{part}s")()) for leaf in leaves_of(getattr(data, f"Get{part}")(n))]
     return []
 
 

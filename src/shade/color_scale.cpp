@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
+#include <string>
+#include <utility>
 
 #include "data/image_checks.h"
 #include "shade/annotation/ticks.h"
@@ -204,6 +207,29 @@ std::vector<shading::Tick> shading::ticks_of(const ColorScale& scale, double lea
         ticks.push_back({values[n], text_of(values[n], std::clamp(digits, 6, 15))});
     }
     return ticks;
+}
+
+shading::AxisTicks shading::axis_ticks(double low, double high, double least_gap) {
+    constexpr std::size_t kLongest = 6;  // more do not fit the room that pictures leave for them
+    constexpr double kFar = 10;          // extents from 0
+    const auto longest = [](const std::vector<Tick>& ticks) {
+        std::size_t glyphs = 0;
+        for (const Tick& tick : ticks) glyphs = std::max(glyphs, tick.text.size());
+        return glyphs;
+    };
+    AxisTicks axis{ticks_of({Kind::linear, low, high}, least_gap), {}};
+    const double middle = std::midpoint(low, high);
+    if (longest(axis.ticks) <= kLongest || std::abs(middle) < kFar * (high - low)) return axis;
+    const double power = std::pow(10, 1 + std::ceil(std::log10(high - low)));
+    const double origin = power * std::round(middle / power);
+    std::vector<Tick> from = ticks_of({Kind::linear, low - origin, high - origin}, least_gap);
+    if (longest(from) >= longest(axis.ticks)) return axis;
+    for (Tick& tick : from) tick.value += origin;
+    const std::string brief = tick_text(std::abs(origin));
+    return {
+        std::move(from),
+        fmt::format(" {} {}", origin < 0 ? '+' : '-',
+                    std::stod(brief) == std::abs(origin) ? brief : text_of(std::abs(origin), 15))};
 }
 
 }  // namespace vog

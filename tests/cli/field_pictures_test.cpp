@@ -56,7 +56,8 @@ TEST_F(field_pictures_command, say_in_one_line_what_is_missing) {
     model.density.push_back(1);
     write_ply(dir_ / "model.ply", model);
     const std::string render = "render model.ply -o map.png --size 16 ";
-    must_fail(2, render + "--show mean", "--show mean needs --field NAME");
+    must_fail(2, render + "--show mean",
+              "--show mean needs --field NAME (vog info model.ply lists the names)");
     must_fail(2, render + "--field temperature", "--field has no effect with --show T");
     must_fail(2, render + "--show column --field temperature",
               "it works with --show mean, deviation, volume, maximum or slice");

@@ -77,7 +77,9 @@ TEST_F(films, turns_of_every_quantity_keep_the_scale_of_the_first_view) {
 }
 
 TEST_F(films, a_fitted_turn_shows_the_box_from_every_side) {
-    for (const std::string lens : {"", " --orthographic"}) {
+    // Also about a point far behind the middle of the data, as the first view sees it.
+    const std::string aside = " --look-at=-0.4,0,-0.4", parallel = " --orthographic";
+    for (const std::string& lens : {std::string(), parallel, aside, aside + parallel}) {
         const auto turn =
             json("render models/step_2.ply -o turn/ --turntable 8 --size 64 --depth-out T/" +
                  lens)["pictures"];

@@ -40,6 +40,7 @@ ROWS = [
     ("render m.ply -o p.png --width 3", r"needs (--orthographic)", "+"),
     ("render m.ply -o p.png --camera camera.json --width 3", r"expected (--orthographic)", "+"),
     ("render m.ply -o p.png --show mean", r"needs (--field NAME)", "+"),
+    ("render fire.vdb -o p.png --show mean", r"\((vog info fire.vdb) lists", "{0}"),
     ("render m.ply -o p.png --renderer trace --set anyhit=collect --set stop-transmittance=0.1", r"expected (--extinction) with a number", "+ 2"),
     ("render m.ply -o t.png --turntable 3", r"expected a folder", "render m.ply -o t/ --turntable 3"),
     ("render m.ply --turntable 3", r"\((turn/)\)", "render m.ply --turntable 3 -o {0}"),

@@ -16,7 +16,7 @@ list(FILTER found EXCLUDE REGEX "distutils-precedence|__pycache__")
 list(TRANSFORM found REPLACE "_vog\\..*\\.so" "_vog.so")
 list(TRANSFORM found REPLACE "libvog\\.so\\..*" "libvog.so")
 list(SORT found)
-set(expected vog/__init__.py vog/__main__.py vog/_files.py vog/_grids.py vog/_load.py vog/_messages.py vog/_packages.py vog/_picture.py
+set(expected vog/__init__.py vog/__main__.py vog/_files.py vog/_grids.py vog/_load.py vog/_messages.py vog/_netcdf.py vog/_packages.py vog/_picture.py
     vog/_projection.py vog/_python.py vog/_readers.py vog/_show.py vog/_units.py vog/_vog.pyi vog/_vog.so vog/_vtk.py vog/_vtk_files.py vog/_widget.js vog/libvog.so vog/py.typed vog/report.py)
 if(NOT "${found}" STREQUAL "${expected}")
     message(FATAL_ERROR "installed: ${found}\nexpected: ${expected}")

@@ -42,6 +42,53 @@ def test_missing_parts_are_named(tmp_path, capfd):
     refused(tmp_path / "b.pvd", "cannot be read", capfd)
 
 
+def test_partitioned_data_of_vtk(tmp_path, capfd):
+    core, model = (pytest.importorskip(f"vtkmodules.{name}", reason="needs vtk (pip install vtk)") for name in ("vtkIOParallelXML", "vtkCommonDataModel"))
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    def image(at):
+        one = model.vtkImageData()
+        one.SetDimensions(4, 4, 4)
+        one.SetOrigin(at, 0, 0)
+        values = numpy_to_vtk(np.ones(27), deep=True)
+        values.SetName("rho")
+        one.GetCellData().AddArray(values)
+        return one
+
+    both, parts = model.vtkPartitionedDataSetCollection(), model.vtkPartitionedDataSet()
+    parts.SetPartition(0, image(0))
+    parts.SetPartition(1, image(3))
+    both.SetPartitionedDataSet(0, parts)
+    writer = core.vtkXMLPartitionedDataSetCollectionWriter()
+    writer.SetFileName(str(tmp_path / "a.vtpc"))
+    writer.SetInputData(both)
+    writer.Write()
+    data = vog.load(tmp_path / "a.vtpc", "rho")
+    assert abs(vog.convert(data).mass - 54) < 1e-3
+    next((tmp_path / "a").rglob("*.vti")).unlink()
+    refused(tmp_path / "a.vtpc", "VTK cannot read it: ", capfd, density="rho")
+
+
+@pytest.mark.parametrize("form", ["NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA"])
+@pytest.mark.parametrize("time", [None, 3])
+def test_truncated_files_of_classic_netcdf(tmp_path, capfd, form, time):
+    netcdf = pytest.importorskip("netCDF4", reason="needs netCDF4 (pip install netCDF4)")
+    pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    file = tmp_path / "a.nc"
+    with netcdf.Dataset(file, "w", format=form) as made:
+        made.title = "one, two"
+        for axis, length in (("time", time), ("z", 5), ("y", 6), ("x", 7)):
+            made.createDimension(axis, length)
+        for name in ("rho", "heat"):
+            made.createVariable(name, "f4", ("time", "z", "y", "x"))[:] = np.ones((3, 5, 6, 7))
+        made.createVariable("flag", "i1", ("time",))[:] = 1
+    whole = file.read_bytes()
+    assert vog.load(file, "rho", at={"time": 2}).mass == 210
+    for length in (len(whole) - 4, len(whole) // 2):
+        file.write_bytes(whole[:length])
+        refused(file, f"truncated: {length:,} bytes, expected 5,", capfd, density="rho", at={"time": 2})
+
+
 def test_broken_arrays(tmp_path, capfd):
     np.savez(tmp_path / "a.npz", density=np.ones((8, 8, 8)))
     (tmp_path / "a.npz").write_bytes((tmp_path / "a.npz").read_bytes()[:1000])
@@ -67,6 +114,7 @@ def test_broken_images_of_ome_zarr(tmp_path, capfd):
 
     for text, match in (('{"multiscales": [{', "cannot be read: "), ('{"multiscales": []}', "cannot be read: IndexError"),
                         (json.dumps({"multiscales": [{**image, "axes": [{"name": axis} for axis in "czyx"]}]}), "an array with 3 axes"),
+                        (json.dumps({"multiscales": [{**image, "coordinateTransformations": [{"type": "scale", "scale": [1, 0, 1]}]}]}), "the scale of axis y is 0"),
                         (json.dumps({"multiscales": [{**image, "datasets": [{"path": "1"}]}]}), "cannot be read: KeyError: '1'")):  # fmt: skip
         write(text)
         refused(file, match, capfd)

@@ -59,6 +59,21 @@ def test_fields_are_arrays_over_the_volume():
     assert (temperature[densities == 0] == 0).all()
 
 
+def test_surfaces_of_models_are_the_commands(tmp_path, command, cloud):
+    model = vog.convert(cloud, block=4)
+    model.save(tmp_path / "m.ply")
+    for voxel_size in (None, 0.02):
+        command("export", "m.ply", "-o", "m.obj", "--iso", 0.2, *(["--voxel-size", voxel_size] if voxel_size else []))
+        lines = (tmp_path / "m.obj").read_text().splitlines()
+        points, triangles = vog.isosurface(model, 0.2, voxel_size=voxel_size)
+        assert [sum(line.startswith(f"{kind} ") for line in lines) for kind in "vf"] == [len(points), len(triangles)]
+        assert len(triangles) > 100
+    with pytest.raises(vog.Error, match="voxel_size has no effect on a Volume"):
+        vog.isosurface(cloud, 0.2, voxel_size=1)
+    with pytest.raises(TypeError, match="expected a Volume or Gaussians"):
+        vog.isosurface([cloud], 0.2)
+
+
 def test_refusals(cloud):
     model = vog.convert(cloud, block=8)
     for arguments in [{}, {"voxel_size": 1, "like": cloud}, {"voxel_size": 0}, {"voxel_size": float("nan")},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shade/annotation/ticks.h"
 #include "vog/quantity.h"
 
 namespace vog {
@@ -96,6 +97,25 @@ TEST(picture_frame, numbers_and_names_are_whole) {
                 EXPECT_EQ(image.at(n, size - 1).r, 0) << "below, column " << n << " of " << size;
             }
         }
+}
+
+TEST(picture_frame, long_numbers_are_those_from_a_round_origin) {
+    const auto texts = [](double low, double high) {
+        const shading::AxisTicks axis = shading::axis_ticks(low, high, 0.16);
+        std::string all;
+        for (const shading::Tick& tick : axis.ticks) {
+            EXPECT_GE(tick.value, low);
+            EXPECT_LE(tick.value, high);
+            all += tick.text + " ";
+        }
+        return all + "x" + axis.origin;
+    };
+    EXPECT_EQ(texts(0, 16), "0 5 10 15 x");
+    EXPECT_EQ(texts(1e9 - 0.5, 1e9 + 15.5), "0 5 10 15 x - 1e9");
+    EXPECT_EQ(texts(-4500200, -4500100), "-200 -180 -160 -140 -120 -100 x + 4.5e6");
+    EXPECT_EQ(texts(1234567000, 1234567100), "0 20 40 60 80 100 x - 1234567000");
+    EXPECT_EQ(texts(1e6, 2e6), "1e6 1.2e6 1.4e6 1.6e6 1.8e6 2e6 x");
+    EXPECT_EQ(texts(0, 2e-7), texts(0, 2e-7).substr(0, texts(0, 2e-7).find('x') + 1));
 }
 
 TEST(picture_frame, coordinates_are_those_of_orthographic_pictures_along_axes) {

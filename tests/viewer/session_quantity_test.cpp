@@ -148,6 +148,19 @@ TEST_F(view_command, pictures_keep_their_request) {
     EXPECT_EQ(read_text(dir_ / "pasted.png"), read_text(dir_ / "again.png"));
 }
 
+TEST_F(view_command, files_of_values_keep_their_scale_however_they_are_opened) {
+    make_cloud();
+    write("look.json", R"({"domain": [-10, 20], "colors": [[-10, 0, 0, 0], [20, 1, 1, 1]]})");
+    play("cloud.ply",
+         "size 700 1400\noverlay off\ncolorbar off\nsave-camera camera.json\nshow mean\nwait\n"
+         "press load look\nwait\npicture loaded.png\n");
+    must("render --request loaded.png -o again.png");
+    expect_same_picture("again.png", "loaded.png");
+    const PictureRequest request = read_record(dir_ / "loaded.png").request;
+    ASSERT_TRUE(request.transfer.range.has_value());
+    EXPECT_EQ(*request.transfer.range, std::pair(-10.0, 20.0));
+}
+
 TEST_F(view_command, layers_are_the_command_lines) {
     make_cloud();
     must("sample explosion other.vdb --size 64");

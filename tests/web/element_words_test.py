@@ -51,6 +51,14 @@ class Settings(ElementTest):
         self.assertLess(len(self.value("view().set({ tf: 'zz' })[0]")), 250)
         self.assertAlmostEqual(self.value("view().request.tf.colors[0][1]"), 39 / 40)
 
+    def test_empty_attributes_are_defaults(self):
+        self.host('<vog-view src="plume.vogz" show="column" range="" tf="" clip="" exposure="" camera.eye="" blend still></vog-view>')
+        self.value("void (window.lines = [], view().on('error', ({ message }) => lines.push(message)))")
+        self.assertEqual(self.value("[view().blend, view().still, view().exposure, view().clip]"), [True, True, 1, None])
+        first = self.value("view().range")
+        self.assertEqual(self.value("(view().setAttribute('range', '0,2'), view().range)"), [0, 2])
+        self.assertEqual(self.value("(view().setAttribute('range', ''), [view().range, lines])"), [first, []])
+
     def test_the_command_takes_the_request_of_a_view(self):
         self.host('<vog-view src="plume.vogz" show="volume" tf="inferno" clip="-20,10,-20,40,90,40" subframes="1"></vog-view>')
         self.shot()

@@ -150,21 +150,8 @@ Json write_model(Gaussians model, const ExportArguments& arguments, Stages& stag
     return report;
 }
 
-/// Edge of voxels in which a model's surface is smooth: one and a half times the middle one of its Gaussians' standard deviations, at
-/// least a 256th of its box's longest edge.
-double smooth_edge(const Gaussians& model) {
-    const Box box = view_box(model);
-    const Vec3d edges = box.upper - box.lower;
-    std::vector<double> sizes;
-    for (const Vec3f& s : model.scale) sizes.push_back(std::cbrt(double{s.x} * s.y * s.z));
-    if (sizes.empty()) return 1;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::ranges::nth_element(sizes, middle);
-    return std::max(1.5 * *middle, std::max({edges.x, edges.y, edges.z}) / 256);
-}
-
 /// Volume whose surface is written: the input where it is one volume, else voxels of the inputs' model.
-/// voxel_size  of a model, world units; 0: smooth_edge
+/// voxel_size  as surface_volume has it
 Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double voxel_size) {
     if (inputs.kind() == FileKind::volume) {
         LoadedVolumes set = load_volumes(models.inputs, models.volume);
@@ -173,12 +160,7 @@ Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double v
             return std::move(set.volumes.front());
         }
     }
-    const Gaussians model = inputs.sum();
-    const double edge = voxel_size > 0 ? voxel_size : smooth_edge(model);
-    Volume volume = voxelize(model, voxel_lattice(model, edge)).volume;
-    for (const ScalarField& field : model.fields.scalar)
-        if (field.is_measure) volume.background = field.background;
-    return volume;
+    return surface_volume(inputs.sum(), voxel_size);
 }
 
 /// Writes the surface of --iso.

@@ -72,7 +72,7 @@ std::string command_line(const std::string& command, const std::vector<std::stri
         text += shown < kMost ? " " + quoted(input) : " ...";
         if (++shown > kMost) break;
     }
-    return text + " -o " + quoted(output);
+    return output.empty() ? text : text + " -o " + quoted(output);
 }
 
 void check_output(const std::string& output, const std::vector<std::string>& inputs,

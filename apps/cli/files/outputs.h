@@ -6,9 +6,9 @@
 
 namespace vog::cli {
 
-/// "vog page m.ply -o m.html": the command with some of the inputs.
+/// "vog page m.ply -o m.html": the command with some of the inputs, and an output unless it is empty.
 std::string command_line(const std::string& command, const std::vector<std::string>& inputs,
-                         const std::string& output);
+                         const std::string& output = "");
 
 /// throws vog::Error unless the output's extension is one of `extensions`, its name is valid, its
 /// folder exists and can be written, and it is none of the inputs. For an extension that another command writes,

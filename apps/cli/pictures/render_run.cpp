@@ -23,8 +23,9 @@ namespace {
 /// throws UsageError and vog::Error before any work
 void check_arguments(const RenderArguments& arguments, bool writes) {
     if (is_field_map(arguments.request.show) && arguments.request.field.empty())
-        throw UsageError(
-            fmt::format("--show {} needs --field NAME", word_of(arguments.request.show)));
+        throw UsageError(fmt::format("--show {} needs --field NAME ({} lists the names)",
+                                     word_of(arguments.request.show),
+                                     command_line("info", arguments.drawing.inputs)));
     // Folders and names with a number are checked where they are made.
     const auto is_file = [&](const std::string& output) {
         return writes && !output.empty() && !arguments.turntable;

@@ -60,17 +60,15 @@ std::vector<Camera> turn_of(const Camera& first, Vec3d up, int count) {
 
 /// Whether no option sets how large the data appear.
 bool is_fitted(const GivenOptions& command, const Camera& camera) {
-    if (command.has_any({"--camera", "--eye", "--look-at"})) return false;
+    if (command.has_any({"--camera", "--eye"})) return false;
     if (command.value("--view") == "paper") return false;
     return !command.has(camera.orthographic() ? "--width" : "--distance");
 }
 
-/// The first camera, looking at the subject's middle from as far (or as wide) as the farthest fitted one of the turn.
+/// The first camera, as far (or as wide) as the farthest fitted one of the turn.
 Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Subject& subject,
                       double aspect) {
     Camera result = first;
-    result.look_at = orbit_view(subject, {.distance_radii = 1}).look_at;
-    result.eye = result.look_at + (first.eye - first.look_at);
     double farthest = 0;
     for (const Camera& camera : turn_of(result, up, count)) {
         const Camera fit = fitted(camera, subject, aspect, false);
@@ -141,8 +139,14 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments,
         values{arguments.values_output};
     if (const int count = arguments.turntable) {
         const Vec3d up = turn_axis(arguments, command, first, shown);
-        if (!stored && is_fitted(command, first))
+        if (!stored && is_fitted(command, first)) {
+            // About the middle of the data where no option states a point.
+            const Vec3d towards = first.look_at - first.eye;
+            if (!command.has("--look-at"))
+                first.look_at = orbit_view(shown, {.distance_radii = 1}).look_at;
+            first.eye = first.look_at - towards;
             first = fitted_to_turn(first, up, count, shown, aspect);
+        }
         cameras = turn_of(first, up, count);
         for (const std::string& output :
              {arguments.output, arguments.depth_output, arguments.values_output})

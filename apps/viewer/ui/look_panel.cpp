@@ -305,10 +305,8 @@ void draw_layers(Session& session, Gui& gui) {
 void draw_look(Session& session, Gui& gui, float ui) {
     Look& look = session.look;
     bool changed = false;
-    if (const std::string map = choose_map(look.base.name, gui); !map.empty()) {
-        load_map(look, map);
-        changed = true;
-    }
+    if (const std::string map = choose_map(look.base.name, gui); !map.empty())
+        attempt(session, [&] { session.set_map(map); });
     const bool visibility = session.quantity.show == Show::depth;
     if (visibility) changed |= edit_opacity(session, gui, ui);
     if (visibility && ImGui::DragFloatRange2("range", &look.low, &look.high, 0.002f, 0, 1, "%.3f",
@@ -337,11 +335,8 @@ void draw_look(Session& session, Gui& gui, float ui) {
     }
     ImGui::InputText("##look", &gui.look_path);
     ImGui::SameLine(0, 4 * ui);
-    if (ImGui::Button("load##look"))
-        attempt(session, [&] {
-            load_map(look, gui.look_path);
-            changed = true;
-        });
+    if (ImGui::Button("load##look")) attempt(session, [&] { session.set_map(gui.look_path); });
+    mark(gui, "load look");
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button("save##look")) attempt(session, [&] { session.save_look(gui.look_path); });
     if (changed) session.look_changed();

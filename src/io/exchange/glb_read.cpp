@@ -23,6 +23,14 @@ using Json = nlohmann::json;
 
 constexpr const char* kExtension = "KHR_gaussian_splatting";
 
+/// Whether what a file requires may change its splats: it does unless it is about surfaces, lights or notes, or read here.
+bool changes_splats(const std::string& extension) {
+    if (extension == kExtension || extension == "KHR_mesh_quantization") return false;
+    static constexpr const char* kOthers[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                              "KHR_lights_",    "EXT_lights_",  "KHR_xmp"};
+    return std::ranges::none_of(kOthers, [&](const char* of) { return extension.starts_with(of); });
+}
+
 /// Where a node puts its splats: factor * (rotation of p) + translation.
 struct Placement {
     Vec3d translation{0, 0, 0};
@@ -88,10 +96,13 @@ class Accessors {
             begin + (count - 1) * stride + width * bytes > size)
             throw Error(fmt::format("{}: {} rows of {} bytes from {} on, in {} bytes", name, count,
                                     stride, begin, size));
+        // Places of KHR_mesh_quantization may be whole numbers, which nodes scale.
+        const bool is_share = name != "POSITION" || accessor.value("normalized", false);
         std::vector<float> out(count * width);
         for (std::size_t n = 0; n < count; ++n)
             for (std::size_t k = 0; k < width; ++k)
-                out[n * width + k] = number(body_.data() + begin + n * stride + k * bytes, type);
+                out[n * width + k] =
+                    number(body_.data() + begin + n * stride + k * bytes, type, is_share);
         return out;
     }
 
@@ -114,24 +125,25 @@ class Accessors {
                     name, type));
         }
     }
-    /// Whole numbers of a type as shares of its largest.
+    /// A whole number, or its share of the type's largest.
     template <class T>
-    static float share(const char* at) {
+    static float whole(const char* at, bool is_share) {
         T value{};
         std::memcpy(&value, at, sizeof value);
+        if (!is_share) return static_cast<float>(value);
         return std::max(
             -1.0f, static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()));
     }
-    static float number(const char* at, int type) {
+    static float number(const char* at, int type, bool is_share) {
         switch (type) {
             case int8:
-                return share<std::int8_t>(at);
+                return whole<std::int8_t>(at, is_share);
             case uint8:
-                return share<std::uint8_t>(at);
+                return whole<std::uint8_t>(at, is_share);
             case int16:
-                return share<std::int16_t>(at);
+                return whole<std::int16_t>(at, is_share);
             case uint16:
-                return share<std::uint16_t>(at);
+                return whole<std::uint16_t>(at, is_share);
             default:
                 float value = 0;
                 std::memcpy(&value, at, sizeof value);
@@ -243,7 +255,7 @@ Gaussians read_glb(const std::filesystem::path& file) {
     try {
         const Json gltf = Json::parse(text);
         for (const Json& needed : gltf.value("extensionsRequired", Json::array()))
-            if (needed != kExtension)
+            if (changes_splats(needed.get<std::string>()))
                 throw Error(fmt::format("needs the extension {}, expected a file without it",
                                         needed.dump()));
         const Accessors accessors(gltf, {body.data(), body.size()});

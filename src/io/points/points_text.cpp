@@ -83,7 +83,7 @@ class LineFile {
     void unpack(const std::filesystem::path& file) {
         if (!scan::is_gzip(file))
             throw Error(fmt::format("{}: not gzip, expected a packed text", name_));
-        scan::ScanBytes bytes(file, 0, true);
+        scan::ScanBytes bytes(file, 0, scan::Encoding::deflate);
         constexpr std::uint64_t kPiece = std::uint64_t{1} << 18;
         std::vector<char> piece(kPiece);
         while (const std::uint64_t got = bytes.read_some(piece.data(), kPiece)) {

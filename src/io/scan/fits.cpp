@@ -55,7 +55,7 @@ struct Fits {
         if (packed) memory = unpacked_bytes(file);
         size = packed ? memory.size() : std::filesystem::file_size(file);
         if (!packed && size % kBlock != 0) {
-            ScanBytes bytes(file, 0, false);
+            ScanBytes bytes(file);
             resize_kept(memory, size);
             bytes.read(memory.data(), size);
         }

@@ -242,7 +242,7 @@ std::vector<std::string> names_of(std::uint64_t images, std::uint64_t times) {
 
 ScanFile open_nifti(const std::filesystem::path& file) {
     const bool deflated = is_gzip(file);
-    ScanBytes bytes(file, 0, deflated);
+    ScanBytes bytes(file, 0, deflated ? Encoding::deflate : Encoding::raw);
     bool swapped = false;
     const NiftiHead head = read_head(file, bytes, swapped);
     ScanFile scan;

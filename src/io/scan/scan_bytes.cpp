@@ -4,10 +4,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
+#include <optional>
+#include <string_view>
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog::scan {
 
@@ -24,8 +28,8 @@ bool is_gzip(const std::filesystem::path& file) {
     return stream.get() == 0x1f && stream.get() == 0x8b;
 }
 
-ScanBytes::ScanBytes(const std::filesystem::path& file, std::uint64_t begin, bool deflated)
-    : name_(file.string()), deflated_(deflated) {
+ScanBytes::ScanBytes(const std::filesystem::path& file, std::uint64_t begin, Encoding encoding)
+    : name_(file.string()), encoding_(encoding) {
     require_readable(file);
     stream_.open(file, std::ios::binary | std::ios::ate);
     const auto end = stream_.tellg();
@@ -37,17 +41,18 @@ ScanBytes::ScanBytes(const std::filesystem::path& file, std::uint64_t begin, boo
     read_ = begin;
     stream_.seekg(static_cast<std::streamoff>(begin));
     // 15 bits of window; + 32: gzip or zlib, as the head says.
-    if (deflated_ && inflateInit2(&zip_, 15 + 32) != Z_OK)
+    if (encoding_ == Encoding::deflate && inflateInit2(&zip_, 15 + 32) != Z_OK)
         throw Error(fmt::format("{}: not enough memory", name_));
 }
 
 ScanBytes::~ScanBytes() {
-    if (deflated_) inflateEnd(&zip_);
+    if (encoding_ == Encoding::deflate) inflateEnd(&zip_);
 }
 
 std::uint64_t ScanBytes::most_left() const {
     const std::uint64_t left = size_ - read_;
-    if (!deflated_) return left;
+    if (encoding_ == Encoding::raw) return left;
+    if (encoding_ == Encoding::hex) return (left + zip_.avail_in) / 2;
     return (left + zip_.avail_in + kHead) * kMostRatio;
 }
 
@@ -61,8 +66,32 @@ void ScanBytes::refill() {
     zip_.avail_in = static_cast<uInt>(count);
 }
 
+std::uint64_t ScanBytes::read_digits(char* to, std::uint64_t count) {
+    std::uint64_t got = 0;
+    std::optional<std::size_t> high;
+    while (got < count) {
+        if (zip_.avail_in == 0) refill();
+        if (zip_.avail_in == 0) break;
+        const unsigned char c = *zip_.next_in;
+        ++zip_.next_in, --zip_.avail_in;
+        if (std::isspace(c) != 0) continue;
+        const std::size_t digit =
+            std::string_view("0123456789abcdef").find(static_cast<char>(std::tolower(c)));
+        if (digit == std::string_view::npos)
+            throw Error(fmt::format("{}: '{}' among hexadecimal digits", name_,
+                                    printable(std::string(1, static_cast<char>(c)))));
+        if (high)
+            to[got++] = static_cast<char>(16 * *high + digit), high.reset();
+        else
+            high = digit;
+    }
+    if (high) throw Error(fmt::format("{}: truncated: an odd number of digits", name_));
+    return got;
+}
+
 std::uint64_t ScanBytes::read_some(char* to, std::uint64_t count) {
-    if (!deflated_) {
+    if (encoding_ == Encoding::hex) return read_digits(to, count);
+    if (encoding_ == Encoding::raw) {
         count = std::min(count, size_ - read_);
         if (count > 0 && !stream_.read(to, static_cast<std::streamsize>(count)))
             throw Error(fmt::format("{}: cannot be read", name_));
@@ -87,6 +116,11 @@ std::uint64_t ScanBytes::read_some(char* to, std::uint64_t count) {
         if (between_members_) {
             // Several members make one stream, as those of pigz and bgzip; zeros may pad it.
             if (*zip_.next_in != 0x1f) {
+                if (const auto in = zip_.next_in, end = in + zip_.avail_in;
+                    std::any_of(in, end, [](Bytef byte) { return byte != 0; }))
+                    throw Error(fmt::format(
+                        "{}: {} bytes or more behind the end of the deflated stream, expected none",
+                        name_, zip_.avail_in));
                 ended_ = true;
                 break;
             }
@@ -108,7 +142,7 @@ void ScanBytes::read(char* to, std::uint64_t count) {
         const std::uint64_t got = read_some(to + done, count - done);
         if (got == 0)
             throw Error(fmt::format("{}: truncated: {} bytes{}, expected {} or more", name_,
-                                    position_, deflated_ ? " unpacked" : "",
+                                    position_, encoding_ == Encoding::raw ? "" : " unpacked",
                                     position_ + count - done));
         done += got;
         position_ += got;
@@ -116,7 +150,7 @@ void ScanBytes::read(char* to, std::uint64_t count) {
 }
 
 void ScanBytes::skip(std::uint64_t count) {
-    if (!deflated_) {
+    if (encoding_ == Encoding::raw) {
         if (count > size_ - read_)
             throw Error(fmt::format("{}: truncated: {} bytes, expected {} or more", name_, size_,
                                     read_ + count));
@@ -134,7 +168,7 @@ void ScanBytes::skip(std::uint64_t count) {
 }
 
 BigVector<char> unpacked_bytes(const std::filesystem::path& file) {
-    ScanBytes bytes(file, 0, true);
+    ScanBytes bytes(file, 0, Encoding::deflate);
     BigVector<char> all;
     std::vector<char> step(ScanBytes::kStep);
     while (const std::uint64_t got = bytes.read_some(step.data(), step.size())) {

@@ -1,4 +1,4 @@
-// scan_bytes.h: bytes of plain and deflated files, forward only.
+// scan_bytes.h: bytes of plain, deflated and hexadecimal files, forward only.
 #pragma once
 
 #include <zlib.h>
@@ -13,13 +13,18 @@
 
 namespace vog::scan {
 
-/// Bytes of a file, unpacked where they are deflated (gzip or zlib), forward only.
+/// How a file has its values: as bytes, as bytes packed by gzip or zlib, as hexadecimal digits of bytes, or as numbers in words.
+enum class Encoding { raw, deflate, hex, text };
+
+/// Bytes of a file, unpacked where they are deflated or hexadecimal, forward only.
 class ScanBytes {
   public:
     /// Most bytes of one read_some.
     static constexpr std::uint64_t kStep = std::uint64_t{1} << 18;
 
-    ScanBytes(const std::filesystem::path& file, std::uint64_t begin, bool deflated);
+    /// encoding  any but text
+    explicit ScanBytes(const std::filesystem::path& file, std::uint64_t begin = 0,
+                       Encoding encoding = Encoding::raw);
     ~ScanBytes();
     ScanBytes(const ScanBytes&) = delete;
     ScanBytes& operator=(const ScanBytes&) = delete;
@@ -36,13 +41,15 @@ class ScanBytes {
 
   private:
     void refill();
+    std::uint64_t read_digits(char* to, std::uint64_t count);
 
     std::string name_;
     std::ifstream stream_;
     std::uint64_t size_ = 0, read_ = 0, position_ = 0;
     std::vector<char> packed_;
     z_stream zip_{};
-    bool deflated_ = false, between_members_ = false, ended_ = false;
+    Encoding encoding_ = Encoding::raw;
+    bool between_members_ = false, ended_ = false;
 };
 
 /// Whether a file begins with the bytes of gzip.

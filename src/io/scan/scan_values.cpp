@@ -141,7 +141,7 @@ class TextNumbers {
 /// bytes  behind the values
 void check_rest(const StoredArray& array, const StoredPart& part, ScanBytes& bytes) {
     constexpr std::uint64_t kMostBlanks = 8;
-    const bool deflated = array.encoding == Encoding::deflate, any = array.spare == kAnySpare;
+    const bool packed = array.is_packed(), any = array.spare == kAnySpare;
     std::vector<char> step(any ? 1 : ScanBytes::kStep);
     std::uint64_t rest = 0;
     bool blank = array.behind_head;
@@ -154,14 +154,14 @@ void check_rest(const StoredArray& array, const StoredPart& part, ScanBytes& byt
                 return c == 0 || std::isspace(static_cast<unsigned char>(c)) != 0;
             });
         if (any) return;
-        if (deflated) continue;
+        if (packed) continue;
         rest += bytes.most_left();
         break;
     }
     if (blank || rest <= array.spare) return;
     const std::uint64_t expected = array.part_values() * bytes_of(array.type);
     throw Error(fmt::format("{}: {} bytes{} of values, expected {} for {} values of {}{}",
-                            part.file.string(), expected + rest, deflated ? " unpacked" : "",
+                            part.file.string(), expected + rest, packed ? " unpacked" : "",
                             expected, array.part_values(), type_name(array.type), array.advice));
 }
 
@@ -214,7 +214,7 @@ class PartBytes {
         if (!bytes_ || n != part_) {
             if (bytes_) check_end();
             const StoredPart& part = array_.parts[part_ = n];
-            bytes_.emplace(part.file, part.begin, array_.encoding == Encoding::deflate);
+            bytes_.emplace(part.file, part.begin, array_.encoding);
             bytes_->skip(part.skip + position_ % share_);
         }
         return share_ - position_ % share_;
@@ -315,10 +315,9 @@ void place_at_end(StoredArray& array, std::uint64_t behind) {
                 fmt::format("{}: values as text at the end of the file, expected a number of bytes "
                             "or lines before them",
                             part.file.string()));
-        const bool deflated = array.encoding == Encoding::deflate;
-        ScanBytes stream(part.file, part.begin, deflated);
+        ScanBytes stream(part.file, part.begin, array.encoding);
         std::uint64_t size = stream.most_left();
-        if (deflated) {
+        if (array.encoding != Encoding::raw) {
             std::vector<char> step(ScanBytes::kStep);
             size = 0;
             while (const std::uint64_t got = stream.read_some(step.data(), ScanBytes::kStep))
@@ -336,7 +335,7 @@ std::function<BigVector<float>(std::size_t)> reader_of(const StoredArray& array)
         return [array](std::size_t grid) { return read_text(array, grid); };
     const std::uint64_t bytes = array.part_values() * bytes_of(array.type);
     for (const StoredPart& part : array.parts) {
-        ScanBytes probe(part.file, part.begin, array.encoding == Encoding::deflate);
+        ScanBytes probe(part.file, part.begin, array.encoding);
         if (probe.most_left() < part.skip || probe.most_left() - part.skip < bytes)
             throw Error(fmt::format("{}: truncated: {} bytes, expected {} for {} values of {}",
                                     part.file.string(), part.begin + probe.most_left(),

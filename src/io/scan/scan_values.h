@@ -58,8 +58,6 @@ class Singles {
 /// Value of a stored number in this machine's byte order.
 double number_from(const char* bytes, Number type);
 
-enum class Encoding { raw, deflate, text };
-
 /// Place of values in a file.
 struct StoredPart {
     std::filesystem::path file;
@@ -86,6 +84,7 @@ struct StoredArray {
     std::uint64_t spare = 0;       ///< bytes of any content that may follow the values in a file
     std::string advice{};  ///< behind that error: ": state 'byte skip: -1' for the last ones"
 
+    bool is_packed() const { return encoding == Encoding::deflate || encoding == Encoding::hex; }
     std::uint64_t part_values() const { return voxels * grids / parts.size(); }
 };
 

@@ -154,12 +154,16 @@ void mark_layers(Picture& picture, const Scene& scene) {
     for (std::size_t n = 0; n < made.layers.size(); ++n) {
         const ResolvedPicture& layer = made.layers[n];
         if (layer.field.field.empty()) continue;  // hidden, or a surface
-        const auto same = std::ranges::count_if(made.layers, [&](const ResolvedPicture& other) {
-            return other.field.field == layer.field.field;
-        });
+        const auto name_of = [&](std::size_t m) {
+            return m < scene.layers.size() ? scene.layers[m].name : std::string();
+        };
+        bool is_shared = false;  // with data of another name
+        for (std::size_t m = 0; m < made.layers.size(); ++m)
+            is_shared |=
+                made.layers[m].field.field == layer.field.field && name_of(m) != name_of(n);
         around.label = quantity_label(Show::volume, layer.field.field, layer.unit);
-        if (same > 1 && n < scene.layers.size() && !scene.layers[n].name.empty())
-            around.label += " of " + std::filesystem::path(scene.layers[n].name).stem().string();
+        if (is_shared && !name_of(n).empty())
+            around.label += " of " + std::filesystem::path(name_of(n)).stem().string();
         picture.image =
             beside_bar(picture, bar_of(layer.chosen, made.request.layers[n].plane.has_value()),
                        layer.chosen.scale, around, layer);

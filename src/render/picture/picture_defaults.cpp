@@ -64,8 +64,8 @@ Subject with_axes(Subject subject) {
     std::size_t glyphs = 0;
     for (int axis = 0; axis < 3; ++axis)
         if (box.lower[axis] < box.upper[axis])
-            for (const shading::Tick& tick : shading::ticks_of(
-                     {ColorScale::Kind::linear, box.lower[axis], box.upper[axis]}, 0.16))
+            for (const shading::Tick& tick :
+                 shading::axis_ticks(box.lower[axis], box.upper[axis], 0.16).ticks)
                 glyphs = std::max(glyphs, tick.text.size());
     // Text is 1/36 of the picture's height, a glyph 6/7 of that wide; a tick and its gaps are one and a half glyphs.
     const double text = (static_cast<double>(glyphs) + 1.5) * 6 / 7 / 36;

@@ -127,9 +127,12 @@ struct PictureRenderer::State {
                 bounds.include(layer.subject.box);
                 continue;
             }
-            if (!of_layers[n])
-                of_layers[n] = made(
-                    layer, layer.has_voxels() ? Renderer::reference : Renderer::splat, options);
+            if (!of_layers[n]) {
+                RenderOptions own = options;
+                own.voxels = picture.layers[n].request.options.voxels;
+                of_layers[n] =
+                    made(layer, layer.has_voxels() ? Renderer::reference : Renderer::splat, own);
+            }
             resolved.push_back(&inside.emplace_back(of_period(picture.layers[n], layer)));
             PictureRequest& own = inside.back().request;
             own.camera = picture.request.camera;

@@ -8,6 +8,7 @@
 
 #include "render/picture/request/request_effects.h"
 #include "render/picture/slice_plane.h"
+#include "shade/values/label_table.h"
 #include "shade/values/unit_range.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -149,12 +150,13 @@ void choose_light(ResolvedPicture& picture, const Scene& scene) {
     picture.request.fit = *transfer.log ? ScaleFit::log : ScaleFit::linear;
 }
 
-/// The request of one layer.
-PictureRequest request_of(const Layer& layer, const PictureRequest& whole, bool of_voxels) {
+/// The request of one layer. Voxels of labels and those on planes are not interpolated.
+PictureRequest request_of(const Layer& layer, const PictureRequest& whole, const Scene& data) {
     PictureRequest request = whole;
-    request.layers.clear();
-    if (of_voxels) request.slabs.reset();
-    request.renderer.reset();
+    request.layers.clear(), request.renderer.reset();
+    if (data.has_voxels() || data.has_cells()) request.slabs.reset();
+    if (!data.has_voxels() || layer.plane || shading::is_label_table(layer.transfer.points))
+        request.options.voxels = {};
     request.field = layer.field, request.transfer = layer.transfer, request.fit = layer.fit;
     return request;
 }
@@ -190,7 +192,7 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         const Scene& data = scene.layers[n];
         require_layer_effects(layer, data.has_surface());
         if (data.has_surface()) continue;
-        own = resolve(request_of(layer, request, data.has_voxels() || data.has_cells()), data);
+        own = resolve(request_of(layer, request, data), data);
         if (!layer.field.empty()) layer.field = own.field.field;
         layer.transfer = own.request.transfer, layer.fit = own.request.fit;
         if (layer.plane) {
@@ -201,6 +203,7 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         names += (names.empty() ? "" : ", ") + field_label(own.field);
     }
     share_unit_distances(picture);
+    require_interpolation(picture);
     picture.name = "volume of " + names;
 }
 
@@ -340,9 +343,8 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
             default_view(shown_by(request, scene.subject), request.width, request.height);
     VolumeLook& look = request.look;
     if (look.studio) {
-        look.shadows = look.occlusion = true;
+        look.shadows = look.occlusion = true, look.studio = false;
         look.octaves = std::max(look.octaves, kStudioOctaves);
-        look.studio = false;
     }
     if (look.shadows && !look.light && look.lights.empty())
         look.lights = {{studio_light(*request.camera)}};

@@ -161,12 +161,12 @@ class FrameDrawing {
     struct Area {
         Place least, most;
     };
-    /// Whether an area lies in the image, a glyph's gap from all texts that are there.
+    /// Whether an area lies within the image's edges, a glyph's gap from all texts that are there.
     bool is_free(const Area& area) const {
-        return area.least.x >= 0 && area.least.y >= 0 && area.most.x <= image_.width &&
-               area.most.y <= image_.height && std::ranges::none_of(texts_, [&](const Area& other) {
-                   return are_near(area, other);
-               });
+        return area.least.x >= 1 && area.least.y >= 1 && area.most.x <= image_.width - 1 &&
+               area.most.y <= image_.height - 1 &&
+               std::ranges::none_of(texts_,
+                                    [&](const Area& other) { return are_near(area, other); });
     }
     bool are_near(const Area& a, const Area& b) const {
         const double gap = 3.0 * scale_;
@@ -210,7 +210,8 @@ class FrameDrawing {
         std::vector<Tick> ticks;
         std::vector<Area> areas;
         for (const double gap : {0.16, 0.25, 0.35, 0.5}) {
-            ticks = ticks_of({ColorScale::Kind::linear, edge.from[axis], edge.to[axis]}, gap);
+            AxisTicks along = axis_ticks(edge.from[axis], edge.to[axis], gap);
+            ticks = std::move(along.ticks), origin_[axis] = std::move(along.origin);
             areas.clear();
             bool touch = false;
             for (const auto& [value, text] : ticks) {
@@ -228,7 +229,8 @@ class FrameDrawing {
     }
     /// Beside the edge's middle, where numbers are beyond them; else among them, or beyond an end.
     void draw_name(int axis, const Edge& edge) {
-        const std::string name = with_unit(std::string(1, "xyz"[axis]), frame_.length_unit);
+        const std::string name =
+            with_unit(std::string(1, "xyz"[axis]) + origin_[axis], frame_.length_unit);
         const Place out = out_of(edge);
         constexpr int kSteps = 16, kNear = 5, kFar = 60;
         for (int step = 0; step <= kSteps; ++step) {
@@ -238,9 +240,13 @@ class FrameDrawing {
                 if (draw_free(name, area_of(name, at + double(away * scale_) * out, out))) return;
         }
         const Place along = (1 / length(edge.end - edge.begin)) * (edge.end - edge.begin);
-        const Area ends[] = {
-            area_of(name, edge.end + double(kNear * scale_) * along, along),
-            area_of(name, edge.begin - double(kNear * scale_) * along, -1.0 * along)};
+        Area ends[] = {area_of(name, edge.end + double(kNear * scale_) * along, along),
+                       area_of(name, edge.begin - double(kNear * scale_) * along, -1.0 * along)};
+        for (Area& end : ends) {  // beside the edge's end where it is near the side of the picture
+            const double inwards = std::max(0.0, scale_ - end.least.x) -
+                                   std::max(0.0, end.most.x - image_.width + scale_);
+            end.least.x += inwards, end.most.x += inwards;
+        }
         if (!draw_free(name, ends[0])) draw_free(name, ends[1]);
     }
 
@@ -250,6 +256,7 @@ class FrameDrawing {
     Rgba ink_;
     int scale_;
     std::vector<Area> texts_{};  ///< that are drawn
+    std::string origin_[3];      ///< behind the names of axes
 };
 
 }  // namespace

@@ -308,6 +308,37 @@ TEST(splat_models, nodes_place_their_splats) {
     }
 }
 
+TEST(splat_models, files_may_require_what_leaves_splats_alone) {
+    const TempDir dir;
+    const Splats splats = some_splats();
+    write_splats(dir / "m.glb", splats);
+    const std::string glb = read_bytes(dir / "m.glb");
+    write_bytes(dir / "lit.glb", changed_glb(glb, [](nlohmann::json& json) {
+                    json["extensionsRequired"] = {"KHR_gaussian_splatting", "KHR_materials_unlit",
+                                                  "KHR_texture_transform", "KHR_lights_punctual",
+                                                  "KHR_mesh_quantization"};
+                }));
+    EXPECT_EQ(read_model(dir / "lit.glb").mean, read_model(dir / "m.glb").mean);
+    // Whole numbers of KHR_mesh_quantization are places as they are, or shares of the largest number.
+    for (const bool normalized : {false, true}) {
+        write_bytes(
+            dir / "whole.glb", changed_glb(glb, [&](nlohmann::json& json) {
+                nlohmann::json& accessor =
+                    json["accessors"][json["meshes"][0]["primitives"][0]["attributes"]["POSITION"]
+                                          .get<std::size_t>()];
+                accessor["componentType"] = 5123;
+                accessor["normalized"] = normalized;
+            }));
+        const Gaussians read = read_model(dir / "whole.glb");
+        std::array<std::uint16_t, 3> stored{};
+        std::memcpy(stored.data(), splats.mean.data(), sizeof stored);
+        const float factor = normalized ? 1 / 65535.0f : 1;
+        for (int axis = 0; axis < 3; ++axis)
+            EXPECT_FLOAT_EQ(read.mean[0][axis],
+                            factor * static_cast<float>(stored[static_cast<std::size_t>(axis)]));
+    }
+}
+
 TEST(splat_models, files_that_are_no_plain_splats_are_refused) {
     const TempDir dir;
     write_splats(dir / "m.glb", some_splats());
@@ -328,6 +359,10 @@ TEST(splat_models, files_that_are_no_plain_splats_are_refused) {
         {[](json& j) { j["buffers"][0]["uri"] = "m.bin"; }, "another file"},
         {[](json& j) { j["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
          "needs the extension \"KHR_draco_mesh_compression\""},
+        {[](json& j) {
+             j["extensionsRequired"] = {"KHR_lights_punctual", "EXT_meshopt_compression"};
+         },
+         "needs the extension \"EXT_meshopt_compression\""},
         {[](json& j) { j["accessors"][0]["count"] = 1 << 30; }, "rows"},
         {[](json& j) { j["accessors"][0]["count"] = 7; }, "splats"},
         {[](json& j) { j["bufferViews"][1]["byteOffset"] = 1ull << 63; }, "rows"},

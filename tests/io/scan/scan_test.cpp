@@ -137,6 +137,12 @@ TEST(scan, nrrd_attached_detached_packed_and_as_text) {
     std::string text;
     for (const std::int16_t v : scan_values()) text += std::to_string(v) + "\n";
     expect_counted(read_bytes(dir, "c.nrrd", kNrrdHead + "encoding: ascii\n\n" + text), "text");
+    std::string digits;
+    for (const char c : values)
+        digits += fmt::format("{:02X}{}", static_cast<unsigned char>(c),
+                              digits.size() % 36 == 0 ? "\n" : "");
+    expect_counted(read_bytes(dir, "f.nrrd", kNrrdHead + "encoding: hex\n\n" + digits + "\n"),
+                   "hexadecimal");
     write_bytes(dir / "values", "skip" + values);
     const std::string detached = kNrrdHead + "encoding: raw\nbyte skip: 4\ndata file: values\n";
     expect_counted(read_bytes(dir, "d.nhdr", detached), "detached");

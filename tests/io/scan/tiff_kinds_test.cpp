@@ -1,5 +1,6 @@
 // tiff_kinds_test.cpp: TIFF stacks of which other tools' users reported wrong places or values, a row each.
 #include "io/scan/scan_kinds.h"
+#include "io/scan/tiff/tiff_stack.h"
 
 namespace vog::test {
 
@@ -138,6 +139,14 @@ TEST(tiff_kinds, planes_lie_where_descriptions_say) {
                      "",
                      "",
                      "rows and columns as stored, without the tag Orientation 4"});
+    // An unknown ResolutionUnit.
+    std::string other = tiff_of(slices(1), 2, 3);
+    other.replace(other.find(entry(0x15, 1)), 12, entry(0x28, 5));
+    kinds.push_back({"another unit of resolution", file(other)});
+    const scan::TiffStack unknown = scan::tiff_stack({"a.tif", "", 2, 3, 1, 5, 10, 5});
+    EXPECT_EQ(unknown.edge, (Vec3d{1, 0.5, 1}));
+    EXPECT_TRUE(unknown.units.empty());
+    EXPECT_NE(unknown.note.find("ResolutionUnit is 5"), std::string::npos) << unknown.note;
     // Units of OME's schema beside one metre.
     const std::vector<std::pair<std::string, double>> units{{"Ym", 1e24},
                                                             {"Zm", 1e21},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "shade/values/label_table.h"
 #include "support/field_models.h"
 #include "support/layer_pictures.h"
 #include "support/refusal.h"
@@ -57,8 +58,10 @@ Layer layer_of(std::array<float, 3> color, double opacity, const std::string& fi
     return layer;
 }
 
-std::vector<Rgba> alone(const vog::Scene& scene, const Layer& layer) {
+std::vector<Rgba> alone(const vog::Scene& scene, const Layer& layer,
+                        Interpolation interpolation = Interpolation::constant) {
     PictureRequest request = request_of({});
+    request.options.voxels.interpolation = interpolation;
     request.field = layer.field, request.transfer = layer.transfer;
     return render(scene, request).sums.light;
 }
@@ -156,6 +159,41 @@ TEST(layers, voxels_are_the_same_beside_a_model_that_is_not_seen) {
     request.slabs = 3;
     EXPECT_LT(largest_difference(light_of({voxels, blob({}, 4, 3)}, request), alone(voxels, two)),
               1e-5);
+}
+
+TEST(layers, are_interpolated_where_they_have_voxels_of_values) {
+    vog::Scene values = cube({-0.5, -0.5, -0.5}, 1, 3);
+    Volume volume = values.voxels().volumes->volumes.front();
+    for (int v = 0; v < kLeafVoxels; ++v)
+        volume.leaves.front().set(v, 1 + static_cast<float>(v & 7));
+    values = scene_of(std::move(volume));
+    const vog::Scene segments = cube({-0.5, -0.5, 1}, 1, 3), model = blob({0.1, 0, 2}, 4, 3);
+    Layer bands = layer_of(kGreen, 0.8), labels, heat = layer_of(kRed, 0.9, "heat");
+    bands.transfer.bands = {{2.5, 4.2, 1, 0, 0, 0.9}, {5.1, 8, 0, 0, 1, 0.5}};
+    labels.transfer.points = shading::label_points("3 liver 255 128 0 200\n", "", "");
+    labels.transfer.unit_distance = 1;
+    const std::vector<Rgba> smooth = alone(values, bands, Interpolation::linear);
+    EXPECT_GT(largest_difference(smooth, alone(values, bands)), 0.05);
+    const auto linear = [&](const std::vector<vog::Scene>& scenes, std::vector<Layer> layers) {
+        PictureRequest request = request_of(std::move(layers));
+        if (!scenes.back().has_voxels()) request.slabs = 256;
+        request.options.voxels.interpolation = Interpolation::linear;
+        return light_of(scenes, request);
+    };
+    EXPECT_LT(largest_difference(linear({values, segments}, {bands, labels}),
+                                 in_front(alone(segments, labels), smooth)),
+              1e-5);
+    EXPECT_LT(largest_difference(linear({values, model}, {bands, heat}),
+                                 in_front(alone(model, heat), smooth)),
+              5e-3);
+    for (const bool has_labels : {true, false})
+        EXPECT_NE(refusal([&] {
+                      if (has_labels)
+                          linear({segments}, {labels});
+                      else
+                          linear({model}, {heat});
+                  }).find("no layer draws voxels other than labels and planes; expected constant"),
+                  std::string::npos);
 }
 
 TEST(layers, shadow_each_other) {

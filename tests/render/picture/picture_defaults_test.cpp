@@ -196,6 +196,40 @@ TEST(picture_defaults, axes_have_the_coordinates_that_a_colour_bar_has_beside_it
     EXPECT_EQ(render(scene, request).image.width, perspective) << "those of the axes alone";
 }
 
+TEST(picture_defaults, axes_far_from_the_origin_have_their_numbers) {
+    const auto inked = [](double far) {
+        Cube cube(1);
+        cube.volume.world_from_index.translation = {far, far, far};
+        PictureRequest request;
+        request.show = Show::column;
+        request.width = request.height = 256;
+        request.marks.axes = true;
+        const Image image = render(scene_of(cube.volume), request).image;
+        return std::ranges::count_if(image.pixel, [](const Rgba& c) { return c.b > 0.95f; });
+    };
+    // The numbers of voxels at 0, and names that are longer by " - 1e9", of 17 pixels a glyph at most.
+    const auto near = inked(0), far = inked(1e9);
+    EXPECT_GT(far, near);
+    EXPECT_LT(far, near + 3 * 6 * 17);
+}
+
+TEST(picture_defaults, colour_bars_of_one_input_have_no_name_of_a_file) {
+    vog::Scene scene = scene_of(Cube(1).volume), other = scene;
+    scene.name = "enzo/level0.vdb", other.name = "enzo/level1.vdb";
+    PictureRequest request;
+    request.show = Show::volume;
+    request.width = request.height = 96;
+    request.layers.resize(2);
+    request.layers[1].plane = SlicePlane{"z"};
+    request.marks.color_bar = true;
+    const auto drawn = [&](const vog::Scene& a, const vog::Scene& b) {
+        return render(scene_of_layers({a, b}), request).image;
+    };
+    const Image same = drawn(scene, scene);
+    EXPECT_EQ(same.pixel, drawn(other, other).pixel);
+    EXPECT_NE(same.pixel, drawn(scene, other).pixel);
+}
+
 TEST(picture_defaults, views_are_fitted_to_what_a_clip_leaves) {
     const Subject all = scene_of(Cube(1).volume).subject;
     PictureRequest request;

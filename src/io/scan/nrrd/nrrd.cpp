@@ -254,15 +254,15 @@ Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes,
 
 void set_encoding(const NrrdHead& head, StoredArray& array) {
     const std::string encoding = lower_case(head.text("encoding"));
-    if (encoding == "raw")
-        array.encoding = Encoding::raw;
-    else if (encoding == "gzip" || encoding == "gz")
-        array.encoding = Encoding::deflate;
-    else if (encoding == "ascii" || encoding == "text" || encoding == "txt")
-        array.encoding = Encoding::text;
-    else
-        head.fail(
-            fmt::format("encoding '{}', expected raw, gzip or ascii", printable(encoding, 40)));
+    static constexpr std::pair<const char*, Encoding> kEncodings[] = {
+        {"raw", Encoding::raw}, {"gzip", Encoding::deflate}, {"gz", Encoding::deflate},
+        {"hex", Encoding::hex}, {"ascii", Encoding::text},   {"text", Encoding::text},
+        {"txt", Encoding::text}};
+    const auto* found = std::ranges::find(kEncodings, encoding, [](auto& e) { return e.first; });
+    if (found == std::end(kEncodings))
+        head.fail(fmt::format("encoding '{}', expected raw, gzip (unu save -e gzip), hex or ascii",
+                              printable(encoding, 40)));
+    array.encoding = found->second;
     const std::string endian = lower_case(head.text("endian"));
     if (endian != "little" && endian != "big" &&
         (!endian.empty() || (bytes_of(array.type) > 1 && array.encoding != Encoding::text)))
@@ -295,9 +295,8 @@ void set_place(const NrrdHead& head, const std::vector<std::int64_t>& sizes, Sto
             fmt::format("line skip {} and byte skip {}, expected lines from 0 on", lines, skip));
     for (StoredPart& part : array.parts) {
         // Values at the end need no lines before them, but a packed stream begins behind them.
-        if (skip >= 0 || array.encoding == Encoding::deflate)
-            part.begin = skip_lines(part.file, part.begin, lines);
-        if (skip > 0 && array.encoding == Encoding::deflate)
+        if (skip >= 0 || array.is_packed()) part.begin = skip_lines(part.file, part.begin, lines);
+        if (skip > 0 && array.is_packed())
             part.skip = static_cast<std::uint64_t>(skip);
         else if (skip > 0)
             part.begin += static_cast<std::uint64_t>(skip);

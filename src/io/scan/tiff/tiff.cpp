@@ -6,18 +6,14 @@
 #include "vog/error.h"
 
 #ifdef VOG_TIFF
-#include <tiffio.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
-#include <span>
 
-#include "core/atomic_file.h"
 #include "core/paging.h"
 #include "io/scan/scan_values.h"
 #include "io/scan/tiff/tiff_files.h"
+#include "io/scan/tiff/tiff_handle.h"
 #include "io/scan/tiff/tiff_stack.h"
 #include "vog/text.h"
 #endif
@@ -34,58 +30,6 @@ ScanFile open_tiff(const std::filesystem::path& file) {
 #else
 
 namespace {
-
-/// Open file whose faults become messages; the library prints nothing.
-struct Tiff {
-    std::string name, fault;
-    std::unique_ptr<TIFF, void (*)(TIFF*)> handle{nullptr, TIFFClose};
-
-    explicit Tiff(const std::filesystem::path& file) : name(file.string()) {
-        require_readable(file);
-        TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-        TIFFOpenOptionsSetErrorHandlerExtR(
-            options,
-            [](TIFF*, void* self, const char*, const char* format, va_list values) {
-                char text[200];
-                std::vsnprintf(text, sizeof text, format, values);
-                if (auto* tiff = static_cast<Tiff*>(self); tiff->fault.empty()) tiff->fault = text;
-                return 1;
-            },
-            this);
-        TIFFOpenOptionsSetWarningHandlerExtR(
-            options, [](TIFF*, void*, const char*, const char*, va_list) { return 1; }, nullptr);
-        // No single table or strip of a lie in the head; pictures of 2^29 bytes a strip are rare.
-        TIFFOpenOptionsSetMaxSingleMemAlloc(options, tmsize_t{1} << 29);
-        handle.reset(TIFFOpenExt(name.c_str(), "rm", options));
-        TIFFOpenOptionsFree(options);
-        if (!handle) fail("cannot be opened");
-    }
-    Tiff(Tiff&&) = delete;
-
-    [[noreturn]] void fail(const std::string& what) const {
-        throw Error(fmt::format("{}: {}{}, expected a TIFF of integers or floats", name, what,
-                                fault.empty() ? "" : " (" + printable(fault, 120) + ")"));
-    }
-    template <class T>
-    T tag(std::uint32_t which, T otherwise) const {
-        T value = otherwise;
-        TIFFGetFieldDefaulted(handle.get(), which, &value);
-        return value;
-    }
-    std::string text(std::uint32_t which) const {
-        const char* value = nullptr;
-        return TIFFGetField(handle.get(), which, &value) && value ? value : "";
-    }
-    /// Numbers of a tag that libtiff does not know.
-    template <class T>
-    std::span<const T> numbers(std::uint32_t which, TIFFDataType type) const {
-        std::uint32_t count = 0;
-        const T* values = nullptr;
-        if (TIFFFindField(handle.get(), which, type))
-            TIFFGetField(handle.get(), which, &count, &values);
-        return {values, values ? count : 0};
-    }
-};
 
 /// Form of a page's pixels.
 struct PageForm {
@@ -163,7 +107,7 @@ void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sa
             tiff.fail("several planes in one page, in strips apart");
     const std::uint64_t number = bytes_of(form.type);
     std::vector<char> plane(std::size_t{form.width} * form.height * form.samples * number);
-    ScanBytes bytes(tiff.name, TIFFGetStrileOffset(handle, 0), false);
+    ScanBytes bytes(tiff.name, TIFFGetStrileOffset(handle, 0));
     bytes.skip(page.plane * plane.size());
     bytes.read(plane.data(), plane.size());
     if (TIFFIsByteSwapped(handle))
@@ -233,14 +177,15 @@ void check_bytes(const Tiff& tiff, const PageForm& form) {
 }
 
 TiffStack stack_of(const Tiff& tiff, const PageForm& form) {
-    TiffTags tags{tiff.name,
-                  tiff.text(TIFFTAG_IMAGEDESCRIPTION),
-                  form.width,
-                  form.height,
-                  form.samples,
-                  tiff.tag<float>(TIFFTAG_XRESOLUTION, 0),
-                  tiff.tag<float>(TIFFTAG_YRESOLUTION, 0),
-                  tiff.tag<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH)};
+    TiffTags tags{
+        tiff.name,
+        tiff.text(TIFFTAG_IMAGEDESCRIPTION),
+        form.width,
+        form.height,
+        form.samples,
+        tiff.tag<float>(TIFFTAG_XRESOLUTION, 0),
+        tiff.tag<float>(TIFFTAG_YRESOLUTION, 0),
+        tiff.other_unit.value_or(tiff.tag<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH))};
     const double x = tags.x_resolution, y = tags.y_resolution;
     if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))
         tags.x_resolution = tags.y_resolution = 0;

@@ -37,6 +37,9 @@ std::uint64_t count_or(const std::string& text, std::uint64_t otherwise) {
     return static_cast<std::uint64_t>(std::min(value, kMost));
 }
 
+/// Whether ResolutionUnit is the inch or the centimetre.
+bool is_length(std::uint16_t unit) { return unit == 2 || unit == 3; }
+
 /// Value of "key=text" in ImageJ's description.
 std::string imagej(const std::string& description, const std::string& key) {
     const std::size_t at = description.find("\n" + key + "=");
@@ -59,7 +62,7 @@ void set_imagej(const TiffTags& tags, TiffStack& stack) {
     if (tags.x_resolution > 0) stack.edge = {1 / tags.x_resolution, 1 / tags.y_resolution, 1};
     stack.edge.z = size_or(value("spacing"), 1);
     std::string unit = value("unit");
-    if (unit.empty() && tags.x_resolution > 0 && tags.resolution_unit > 1)
+    if (unit.empty() && tags.x_resolution > 0 && is_length(tags.resolution_unit))
         unit = tags.resolution_unit == 2 ? "in" : "cm";
     for (const std::string& own : {unit, value("yunit"), value("zunit")})
         stack.units.push_back(own.empty() ? unit : own);
@@ -322,7 +325,12 @@ TiffStack tiff_stack(const TiffTags& tags) {
     }
     const double x = tags.x_resolution, y = tags.y_resolution;
     if (x <= 0) return stack;
-    if (tags.resolution_unit < 2) {
+    if (!is_length(tags.resolution_unit)) {
+        if (tags.resolution_unit > 3)
+            stack.note = fmt::format(
+                "the size of pixels is unknown: the tag ResolutionUnit is {}, expected 1 (none), 2 "
+                "(inch) or 3 (centimetre)",
+                tags.resolution_unit);
         stack.edge.y = x / y;  // the shape of pixels, without their size
         if (x != y) stack.source = "rows down, pages along z; pixels 1 wide, by the resolution";
         return stack;

@@ -124,6 +124,8 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
                               std::optional<RenderInput> input) {
     for (const requests::Entry& entry : requests::entries()) {
         const std::string &key = entry.schema.key, &names = entry.schema.renderers;
+        const bool of_voxels = key == "interpolation" || key == "step";
+        if (of_voxels && !request.layers.empty()) continue;  // require_interpolation checks them
         if (!has(names, info_of(renderer).name) && is_stated(entry, request))
             throw RequestError(key, fmt::format(" is not for renderer '{}', expected {}",
                                                 info_of(renderer).name, listed(names)));
@@ -133,8 +135,7 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
             throw RequestError(key, input == RenderInput::cells
                                         ? " is for Gaussians, not for cells"
                                         : " is for Gaussians, not for voxels");
-        if (input == RenderInput::cells && (key == "interpolation" || key == "step") &&
-            is_stated(entry, request))
+        if (input == RenderInput::cells && of_voxels && is_stated(entry, request))
             throw RequestError(key, " is for voxels, not for cells, which are drawn exactly");
     }
     require_rules(request, renderer);
@@ -144,6 +145,16 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
         throw RequestError("tf", fmt::format(": {} is a table of labels, and maxima of a model lie "
                                              "between them; expected `show` slice or volume",
                                              points.points.name));
+}
+
+void require_interpolation(const ResolvedPicture& picture) {
+    const auto is_linear = [](const ResolvedPicture& one) {
+        return one.request.options.voxels.interpolation == Interpolation::linear;
+    };
+    if (is_linear(picture) && std::ranges::none_of(picture.layers, is_linear))
+        throw RequestError("interpolation",
+                           " 'linear' has no effect: no layer draws voxels other than labels and "
+                           "planes; expected constant");
 }
 
 namespace {
@@ -160,7 +171,7 @@ void require_whole_labels(const PictureRequest& request) {
                         points.points.name, expected));
     };
     if (request.options.voxels.interpolation == Interpolation::linear)
-        refuse("interpolation", "nearest");
+        refuse("interpolation", "constant");
     if (of_map && request.options.samples > 1) refuse("samples", "1");
     if (of_map && request.thickness) refuse("thickness", "none");
 }

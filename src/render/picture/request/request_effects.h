@@ -27,6 +27,9 @@ void require_renderer_effects(const PictureRequest& request, Renderer renderer,
 /// throws  RequestError for members of a layer that its kind has not
 void require_layer_effects(const Layer& layer, bool is_surface);
 
+/// throws  RequestError for linear interpolation where no layer is interpolated
+void require_interpolation(const ResolvedPicture& picture);
+
 /// Scale that a request's range states, or its points at values: those of a mean, a maximum, a volume and a slice are values of the
 /// field, those of other quantities are shares. Nothing: open.
 /// throws  RequestError for points at values beside a range or a scale, and a table of labels for numbers that are none

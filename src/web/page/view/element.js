@@ -16,6 +16,8 @@ import { motions } from './motions.js';
 /** Words of a view beside those of a request. */
 const own = ['model', 'exposure', 'pixel_error', 'memory', 'most', 'subframes', 'still'];
 const words = [...pictureWords, ...volumeWords, 'light_weights', 'background', ...own];
+/** Words that an attribute without a value switches on. */
+const flags = ['blend', 'shadows', 'ambient_occlusion', 'clip_lights', 'still'];
 /** Name of a word in links. */
 const keyOf = (word) => (word === 'pixel_error' ? 'error' : word);
 const cameraWords = ['camera.eye', 'camera.look_at', 'camera.up', 'camera.fov_degrees', 'camera.orthographic_width'];
@@ -101,9 +103,12 @@ export function elementOf(given) {
       const names = isCamera ? ['camera', ...cameraNames] : [name];
       this.#take(this.#takenOf(names.filter((one) => this.hasAttribute(one)), found));
     }
-    /** Takes attributes into the answer of readLink. */
+    /** Takes attributes into the answer of readLink; empty ones are true or the default. */
     #takenOf(names, found) {
-      for (const name of names) takeText(found, keyOf(wordOf(name)), this.getAttribute(name) || true, wordOf(name));
+      for (const name of names) {
+        const text = this.getAttribute(name), word = wordOf(name);
+        takeText(found, keyOf(word), text === '' && flags.includes(word) ? true : text, word);
+      }
       return found;
     }
 
