@@ -346,6 +346,12 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     picture.unit_is_label = stated.empty() && !request.unit.empty();
     picture.request = std::move(request);
     TransferRequest& transfer = picture.request.transfer;
+    if (show == Show::slice && transfer.window) {
+        const auto [center, width] = *std::exchange(transfer.window, std::nullopt);
+        const ValueTransfer window = window_transfer(center, width, 1);
+        transfer.range.emplace(window.color.front().value, window.color.back().value);
+        transfer.points = transfer_points("gray");
+    }
     if (transfer.points.points.color.empty() && !transfer.window && transfer.bands.empty())
         transfer.points = transfer_points(named_transfer_function(default_map(show)));
     (void)stated_scale(picture.request);  // checks it
