@@ -176,6 +176,7 @@ Volume volume_to_cut(const ModelArguments& models, ModelInputs& inputs, double v
     const Gaussians model = inputs.sum();
     const double edge = voxel_size > 0 ? voxel_size : smooth_edge(model);
     Volume volume = voxelize(model, voxel_lattice(model, edge)).volume;
+    volume.standing = model.content.standing;
     for (const ScalarField& field : model.fields.scalar)
         if (field.is_measure) volume.background = field.background;
     return volume;
