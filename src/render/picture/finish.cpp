@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "io/file_extension.h"
 #include "render/picture/request/request_effects.h"
 #include "render/picture/slice_plane.h"
 #include "shade/annotation/bitmap_font.h"
@@ -159,7 +160,7 @@ void mark_layers(Picture& picture, const Scene& scene) {
         });
         around.label = quantity_label(Show::volume, layer.field.field, layer.unit);
         if (same > 1 && n < scene.layers.size() && !scene.layers[n].name.empty())
-            around.label += " of " + std::filesystem::path(scene.layers[n].name).stem().string();
+            around.label += " of " + plain_stem(scene.layers[n].name);
         picture.image =
             beside_bar(picture, bar_of(layer.chosen, made.request.layers[n].plane.has_value()),
                        layer.chosen.scale, around, layer);
