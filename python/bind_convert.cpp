@@ -1,5 +1,6 @@
 // bind_convert.cpp: convert(), for volumes, levels and particles.
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -324,7 +325,41 @@ Model of_cells(const Cells& given, const Options& options, const py::object& pro
 }
 
 Model convert(const py::object& data, const std::string& method, const py::object& fields,
-              const py::object& progress, const py::object& report, const py::kwargs& given) {
+              const py::object& labels, const py::object& progress, const py::object& report,
+              const py::kwargs& given);
+
+/// The models of the parts that labels divide a volume into, as one.
+Model of_parts(const py::object& data, const std::string& method, const py::object& fields,
+               const py::object& labels, const py::object& progress, const py::kwargs& given) {
+    py::dict named;
+    if (py::isinstance<py::dict>(fields)) named = fields.attr("copy")();
+    if (no_fields(fields) || named.contains("label"))
+        throw Error("convert: labels are a field 'label', expected other fields");
+    Model all;
+    double done = 0;
+    for (const LabelledPart& part : labelled_parts(data, labels, "convert")) {
+        py::kwargs own = given.attr("copy")();
+        if (given.contains("budget") && py::isinstance<py::int_>(given["budget"]))
+            own["budget"] =
+                static_cast<std::int64_t>(std::ceil(given["budget"].cast<double>() * part.share));
+        named["label"] = part.label;
+        py::object counted = py::none();
+        if (!progress.is_none())
+            counted = py::cpp_function(
+                [&progress, done, share = part.share](double f) { progress(done + share * f); });
+        Model one = convert(part.volume, method, named, py::none(), counted, py::none(), own);
+        done += part.share;
+        if (all)
+            append(*all, *one);
+        else
+            all = std::move(one);
+    }
+    return all;
+}
+
+Model convert(const py::object& data, const std::string& method, const py::object& fields,
+              const py::object& labels, const py::object& progress, const py::object& report,
+              const py::kwargs& given) {
     std::vector<std::string> known;
     for (const ConversionOption& one : conversion_schema()) known.push_back(one.key);
     py::module_::import("vog._messages").attr("refuse_unknown")("convert", given, known);
@@ -332,6 +367,8 @@ Model convert(const py::object& data, const std::string& method, const py::objec
         throw Error("convert: method '" + method + "', expected 'moments' or 'paper'");
     if (!report.is_none() && !py::isinstance<py::dict>(report))
         throw py::type_error("convert: report: expected a dict to fill");
+    if (!labels.is_none() && !py::isinstance<Volume>(data))
+        throw Error("convert: labels divide a single Volume");
     if (py::isinstance<Points>(data))
         return of_points(data.cast<const Points&>(), method,
                          options_of(given, method == "paper" ? "paper-particles" : "particles"),
@@ -344,6 +381,13 @@ Model convert(const py::object& data, const std::string& method, const py::objec
     if (!py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, "convert", "a Volume, Levels, a list of Volumes, Points or Cells");
     const Options options = options_of(given, method);
+    if (!labels.is_none()) {
+        if (!report.is_none() || take_period(options))
+            throw Error("convert: labels and " +
+                        std::string(report.is_none() ? "periodic" : "report") +
+                        " exclude each other");
+        return of_parts(data, method, fields, labels, progress, given);
+    }
     if (method == "paper") return by_paper(data, options, progress, fields);
     return by_moments(data, options, progress, report, fields);
 }
@@ -381,7 +425,7 @@ std::string option_texts() {
 
 void bind_convert(py::module_& m) {
     std::string signature =
-        "convert(data, *, method='moments', fields=None, progress=None, report=None";
+        "convert(data, *, method='moments', fields=None, labels=None, progress=None, report=None";
     py::dict types;
     for (const ConversionOption& one : conversion_schema()) {
         signature += ", " + one.key + "=None";
@@ -393,8 +437,8 @@ void bind_convert(py::module_& m) {
     options.disable_function_signatures();
     m.def(
         "convert", &convert, py::arg("data"), py::kw_only(), py::arg("method") = "moments",
-        py::arg("fields") = py::none(), py::arg("progress") = py::none(),
-        py::arg("report") = py::none(),
+        py::arg("fields") = py::none(), py::arg("labels") = py::none(),
+        py::arg("progress") = py::none(), py::arg("report") = py::none(),
         (signature +
          R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
 
@@ -418,6 +462,8 @@ fields    what the Gaussians know beside their density, of voxels: {"temperature
           With joint_field, report["joint"] has error_before and error_after, measured errors of T, removed, Gaussians
           without voxels, and value_error: relative L2 of premultiplied RGBA under a ramp, three bands and an opaque
           step, in the worst view; None: not measured
+labels    whole numbers at the voxels of a Volume, such as a segmentation has, as a field of `fields`; 0 beyond them. No
+          Gaussian straddles two, and each has its own as the field label
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), interpolation_error and

@@ -59,8 +59,9 @@ class PictureScene {
         std::string kind = "layers";
         for (const Layer& layer : request.layers) {
             if (layer.input >= data_.size())
-                throw Error("layers: input " + std::to_string(layer.input) + " of " +
-                            std::to_string(data_.size()));
+                throw Error("layers: one draws input " + std::to_string(layer.input) +
+                            ", counted from 0, but " + std::to_string(data_.size()) +
+                            " given, expected all inputs of the picture");
             kind += layer.visible ? " " + std::to_string(layer.input) + layer.field : " -";
         }
         if (kind != kind_) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "vog/convert_labels.h"
 #include "vog/error.h"
 #include "voxel_fields.h"
 
@@ -44,6 +45,31 @@ SampledFields sampled_fields(const py::object& data, const py::object& fields, c
         for (const Volume& volume : sampled.volumes) values.push_back(measure_field(volume, own));
     }
     return sampled;
+}
+
+std::vector<LabelledPart> labelled_parts(const py::object& data, const py::object& labels,
+                                         const char* call) {
+    const py::dict field(py::arg("label") = labels);
+    const SampledFields sampled = sampled_fields(data, field, call);
+    const Volume& whole = sampled.volumes.front();
+    const VoxelField& label = sampled.values.front().front();
+    if (label.is_vector())
+        throw Error(std::string(call) + ": labels are vectors, expected whole numbers");
+    std::vector<LabelledVolume> divided = unlocked([&] { return divide_by_labels(whole, label); });
+    std::vector<LabelledPart> parts;
+    for (LabelledVolume& part : divided) {
+        const double share = double(active_voxels(part.volume)) / double(active_voxels(whole));
+        if (!(mass(part.volume) > 0)) continue;
+        Volume numbers = part.volume;
+        numbers.background = 0;
+        for (Leaf& leaf : numbers.leaves)
+            for (int n = 0; n < kLeafVoxels; ++n)
+                if (leaf.active(n)) leaf.set(n, static_cast<float>(part.label));
+        for (Tile& tile : numbers.tiles) tile.value = static_cast<float>(part.label);
+        parts.push_back({py::cast(std::move(part.volume)), py::cast(std::move(numbers)), share});
+    }
+    if (parts.empty()) throw Error(std::string(call) + ": a volume without mass");
+    return parts;
 }
 
 py::dict one_field(const py::object& fields, const std::string& name, const std::string& call) {

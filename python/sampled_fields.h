@@ -22,6 +22,17 @@ struct SampledFields {
 /// fields  None: the own values alone; False: nothing
 SampledFields sampled_fields(const py::object& data, const py::object& fields, const char* call);
 
+/// Part of a Volume by the labels at its voxels.
+struct LabelledPart {
+    py::object volume, label;  ///< Volumes of its voxels: the data, and the label at each
+    double share = 0;          ///< of the voxels
+};
+/// Parts with mass, in the order of their labels.
+/// labels  whole numbers, as a field of `fields`; 0 beyond them
+/// throws  vog::Error for other numbers, and without mass
+std::vector<LabelledPart> labelled_parts(const py::object& data, const py::object& labels,
+                                         const char* call);
+
 /// The mapping with the one of `fields` that has a name or whose part it is: "velocity.x".
 /// throws  vog::Error where there is none
 py::dict one_field(const py::object& fields, const std::string& name, const std::string& call);

@@ -42,7 +42,7 @@ struct Content {
     /// Whether a model is fitted to pictures of its own values: slices then show their mean.
     bool by_value = false;
 
-    /// Content of both; its hull is unknown where one is, its units where they differ. How the first stands counts.
+    /// Content of both; its hull is unknown where one is, its units where they differ. How the first stands counts, and a length that is known.
     void include(const Content& other);
     /// Box of the hull; empty where that is not known.
     Box hull_box() const {
@@ -61,7 +61,7 @@ struct Subject {
     Subject() = default;
     Subject(const Box& box);
 
-    /// Frames both.
+    /// Frames both. Data without voxels have their box among the other's.
     void include(const Subject& other);
 };
 

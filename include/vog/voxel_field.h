@@ -69,7 +69,7 @@ std::string coverage_note(const FieldCoverage& coverage);
 std::string field_name(const FieldSource& source);
 
 /// Reads a grid of numbers or vectors of any sign and samples it at the voxel centres of a volume:
-/// the same voxel where both lattices agree to a thousandth of a voxel, else trilinear between voxel
+/// the same voxel where the centres of both lattices agree to a thousandth of a voxel, whatever their axes, else trilinear between voxel
 /// centres. An inactive voxel has the grid's background; in a level set the value stored there,
 /// which has the sign. Masks are 0 and 1. Vectors are along the world's axes as stored, which is
 /// OpenVDB's default; those in local space are mapped as their vector type states. Staggered

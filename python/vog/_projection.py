@@ -26,7 +26,8 @@ class Projection(_Pair):
     """Array and extent of a projection or slice: `array, extent = vog.projection(...)`.
 
     array        [rows, columns] float64, rows from the bottom up, for imshow(origin="lower"); with a unit where units are known
-    extent       (left, right, bottom, top), coordinates of the outer edges of the pixels, in `length_unit`
+    extent       (left, right, bottom, top), coordinates of the outer edges of the pixels, in `length_unit`; left is above right where the
+                 coordinate falls to the right, as in axial slices of scans, whose x is the patient's right
     field        name of the shown field; '' for column density, and for density on a slice
     quantity     'column', 'mean', 'deviation' or 'integral'; 'slice'
     axes         the two directions of the picture, right and up, as unit vectors [2, 3]
@@ -43,13 +44,14 @@ class Projection(_Pair):
     unit: Any = None
     length_unit: Any = None
     request: "Optional[dict[str, Any]]" = None
+    _name = "density"  # of the values on a slice without a field
 
     @property
     def pixel_area(self) -> float:
         """Area of a pixel, world units squared."""
         rows, columns = np.shape(self.array)
         left, right, bottom, top = self.extent
-        return (right - left) / columns * (top - bottom) / rows
+        return abs((right - left) / columns * (top - bottom) / rows)
 
     @property
     def total(self) -> Any:
@@ -67,7 +69,7 @@ class Projection(_Pair):
         """
         rows, columns = np.shape(self.array)
         left, right, bottom, top = self.extent
-        names = [_name_of(axis) for axis in self.axes]
+        names = [_name_of(axis).lstrip("-") for axis in self.axes]
         cards: "dict[str, Any]" = {}
         for n, (name, low, high, count) in enumerate(zip(names, (left, bottom), (right, top), (columns, rows)), 1):
             cards[f"CTYPE{n}"] = name
@@ -75,7 +77,7 @@ class Projection(_Pair):
             cards[f"CRVAL{n}"] = low
             cards[f"CDELT{n}"] = (high - low) / count
             if self.length_unit is not None:
-                factor, cards[f"CUNIT{n}"] = _fits_length(self.length_unit, max(right - left, top - bottom))
+                factor, cards[f"CUNIT{n}"] = _fits_length(self.length_unit, max(abs(right - left), abs(top - bottom)))
                 cards[f"CRVAL{n}"] *= factor
                 cards[f"CDELT{n}"] *= factor
         if self.unit is not None:
@@ -89,7 +91,7 @@ class Projection(_Pair):
 
     def __repr__(self) -> str:
         rows, columns = np.shape(self.array)
-        what = {"column": "column density", "slice": f"slice of {self.field or 'density'}"}.get(self.quantity, f"{self.quantity} of {self.field}")
+        what = {"column": "column density", "slice": f"slice of {self.field or self._name}"}.get(self.quantity, f"{self.quantity} of {self.field}")
         unit = f" [{self.unit}]" if self.unit is not None else ""
         return f"<vog.Projection: {what}{unit}, {columns}x{rows}, extent {tuple(round(x, 6) for x in self.extent)}>"
 
@@ -383,7 +385,9 @@ def _mapped(
     thick = None if thickness is None else _length(thickness, units.length, "thickness")
     array, picture = _drawn(data, camera, (columns, rows), field, quantity, fields, plane, thick)
     field_unit = picture.unit
-    extent = (middle[0] - sides[0] / 2, middle[0] + sides[0] / 2, middle[1] - sides[1] / 2, middle[1] + sides[1] / 2)
+    # World coordinates, also where the picture runs against their axis.
+    signs = [-1 if _name_of(axis).startswith("-") else 1 for axis in axes[:2]]
+    extent = [sign * (middle[n] + end * sides[n] / 2) for n, sign in enumerate(signs) for end in (-1, 1)]
 
     natural = None
     if units.density is not None and units.length is not None:
@@ -407,9 +411,9 @@ def _mapped(
         raise _vog.Error(
             f"projection: unit '{unit}', but the data have no units, expected Quantities in from_numpy, or vog.set_units(data, density, length)"
         )
-    made = Projection(result, tuple(float(x) for x in extent))  # type: ignore[arg-type]
+    made = Projection(result, tuple(float(x) + 0.0 for x in extent))  # type: ignore[arg-type]
     made.field, made.quantity, made.request = field or "", quantity, picture.request
-    made.axes, made.towards = axes[:2], towards
+    made.axes, made.towards, made._name = axes[:2], towards, picture.label.split(" [")[0]
     length = units.length
     made.unit = natural
     made.length_unit = parsed(length, "projection", natural) if isinstance(length, str) and natural is not None else length

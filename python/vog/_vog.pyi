@@ -452,6 +452,7 @@ def convert(
     *,
     method: str = ...,
     fields: Union[dict[str, Any], Sequence[str], bool, None] = ...,
+    labels: Any = ...,
     progress: Union[_Progress, None] = ...,
     report: Union[dict[str, Any], None] = ...,
     error: Optional[float] = ..., budget: Optional[int] = ..., block: Optional[int] = ..., lod: Optional[int] = ...,

@@ -138,7 +138,11 @@ Mat3 whitening(const Gaussians& gaussians, std::size_t i) {
 
 void Content::include(const Content& other) {
     if (!standing.known()) standing = other.standing;
-    if (units.length != other.units.length) units.length.clear();
+    if (units.length.empty())
+        units.length = other.units.length;
+    else if (!other.units.length.empty() &&
+             length_unit_name(units.length) != length_unit_name(other.units.length))
+        units.length.clear();
     if (units.density != other.units.density) units.density.clear();
     by_value &= other.by_value;
     voxels.include(other.voxels);

@@ -22,4 +22,10 @@ inline std::string stored_extension(const std::filesystem::path& file) {
     return extension == ".gz" ? lower_extension(file.stem()) : extension;
 }
 
+/// Name without the folder, the extension and that of packing: "smoke" of "run/smoke.nvdb.gz".
+inline std::string plain_stem(const std::filesystem::path& file) {
+    const std::filesystem::path stem = file.stem();
+    return (lower_extension(file) == ".gz" ? stem.stem() : stem).string();
+}
+
 }  // namespace vog

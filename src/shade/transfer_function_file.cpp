@@ -40,7 +40,8 @@ TransferPoints points_in(const std::string& file_or_label) {
     require_readable(file);
     const std::string where = file.string() + ": ";
     std::ifstream stream(file, std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    std::string text(std::istreambuf_iterator<char>(stream), {});
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // the mark of UTF-8
     const std::size_t first = text.find_first_not_of(" \t\r\n");
     const bool is_json = file.extension() == ".json" || first == std::string::npos ||
                          text[first] == '{' || text[first] == '[';

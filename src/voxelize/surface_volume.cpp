@@ -26,6 +26,7 @@ double smooth_edge(const Gaussians& model) {
 Volume surface_volume(const Gaussians& model, double voxel_size) {
     const double edge = voxel_size != 0 ? voxel_size : smooth_edge(model);
     Volume volume = voxelize(model, voxel_lattice(model, edge)).volume;
+    volume.standing = model.content.standing;
     for (const ScalarField& field : model.fields.scalar)
         if (field.is_measure) volume.background = field.background;
     return volume;

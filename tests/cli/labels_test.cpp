@@ -129,6 +129,23 @@ TEST_F(labels_command, slices_show_the_densest) {
               "--tf: t is a table of labels, and maxima of a model lie between them");
 }
 
+TEST_F(labels_command, are_0_beyond_their_grid) {
+    Volume part = labels_of(gas());
+    std::erase_if(part.leaves, [](const Leaf& leaf) { return leaf.origin.x >= 16; });
+    write_vdb(dir_ / "part.vdb", part);
+    for (const std::string method : {"--block 4", "--budget 300"}) {
+        const std::string said =
+            must("convert gas.vdb --labels part.vdb --field density " + method + " -o m.ply").error;
+        EXPECT_NE(said.find("grid 'segments': inactive at 50 % of the mass"), said.npos) << said;
+        EXPECT_NE(said.find("labels 0 (16,384 voxels), 1 ("), said.npos) << said;
+        const Gaussians model = read_ply(dir_ / "m.ply");
+        double mass_of_0 = 0;
+        for (std::size_t i = 0; i < model.size(); ++i)
+            mass_of_0 += model.fields.find_scalar("label")->value[i] == 0 ? mass(model, i) : 0;
+        EXPECT_NEAR(mass_of_0 / mass(gas()), 0.5, 1e-3);
+    }
+}
+
 TEST_F(labels_command, share_a_budget) {
     must("convert gas.vdb --labels seg.vdb --budget 300 -o m.ply");
     const std::size_t count = read_ply(dir_ / "m.ply").size();
@@ -141,6 +158,8 @@ TEST_F(labels_command, that_are_none_are_refused_in_one_line) {
     must_fail(1, "convert gas.vdb --labels density -o m.ply", "expected whole numbers");
     must("convert seg.vdb --labels segments --block 8 -o m.ply");
     must_fail(1, "convert gas.vdb --labels nothing -o m.ply", "nothing");
+    for (const std::string missing : {"none.nii.gz", "none.vdb:segments"})
+        must_fail(1, "convert gas.vdb --labels " + missing + " -o m.ply", "no such file");
     must_fail(2, "convert gas.vdb seg.vdb --combine sum --labels seg.vdb -o m.ply",
               "needs a single volume");
     must_fail(2, "convert gas.vdb --labels seg.vdb --for volume -o m.ply", "--labels");

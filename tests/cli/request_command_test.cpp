@@ -110,6 +110,13 @@ TEST_F(request_command, the_camera_is_turned_and_placed_by_options) {
     must_fail(2, "render --request first.png --width 3 -o flat.png", "holds a pinhole camera");
 }
 
+TEST_F(request_command, of_several_inputs_needs_all_of_them) {
+    must("render cloud.vdb --show volume --layer tf=gray --layer cloud.ply --size 16 -o two.png");
+    must("render --request two.png cloud.vdb cloud.ply -o again.png");
+    must_fail(2, "render --request two.png cloud.vdb -o again.png",
+              "the picture has 2 inputs, but 1 is given");
+}
+
 TEST_F(request_command, draws_the_picture_of_a_pages_link) {
     const std::string words =
         "model=2&level=3&logaxis&error=2&planes_off=%5B%5B1,0,0,0%5D%5D&show=volume&field=density&"

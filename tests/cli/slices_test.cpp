@@ -50,6 +50,15 @@ TEST_F(slices_command, have_the_values_of_the_plane) {
     EXPECT_EQ(wide[8 * 16 + 8], 2);
 }
 
+TEST_F(slices_command, are_moved_along_their_plane) {
+    const std::vector<float> corner = values("--plane z=0.7 --width 2 --look-at 4,4,9");
+    EXPECT_EQ(std::ranges::count(corner, 2.0f), 64);
+    EXPECT_EQ(corner[15 * 16], 2);
+    EXPECT_TRUE(std::isnan(corner[15])) << "right of the data";
+    EXPECT_TRUE(std::isnan(corner[0])) << "above them";
+    EXPECT_EQ(values("--plane z=0.7 --look-at 2,2,2"), values("--plane z=0.7"));
+}
+
 TEST_F(slices_command, are_drawn_again_from_their_record) {
     const std::vector<float> first = values("--plane y --color-bar");
     const std::string image = read_text(dir_ / "s.png");
@@ -108,6 +117,17 @@ TEST_F(slices_command, of_values_below_0_show_them) {
         const ValueMap map = read_map(dir_ / "s.npy");
         EXPECT_EQ(map.value[map.value.size() / 2 + 256], -4) << field;
     }
+}
+
+TEST_F(slices_command, have_a_window_which_is_a_range_of_grey) {
+    must("render cube.vdb -o w.png --show slice --plane x --window 4,6 --size 16");
+    must("render cube.vdb -o r.png --show slice --plane x --tf gray --range 1,7 --size 16");
+    expect_same_pixels("w.png", "r.png");
+    must("render --request w.png -o again.png");
+    expect_same_pixels("w.png", "again.png");
+    must("render --request w.png --window 4,3 -o narrow.png");
+    EXPECT_NE(read_image(dir_ / "narrow.png").pixel, read_image(dir_ / "w.png").pixel);
+    must_fail(2, "render cube.vdb -o b.png --show slice --plane x --window 4,6 --tf gray", "--tf");
 }
 
 TEST_F(slices_command, are_turned_in_their_plane) {

@@ -123,6 +123,33 @@ def test_options_are_refused_in_one_line(cloud, options, message):
         vog.convert(cloud, **options)
 
 
+def test_labels_divide_as_the_commands_do(tmp_path, command):
+    volume = vog.Volume.from_numpy(1 + np.random.default_rng(1).random((24, 24, 24), dtype="f4"))
+    segments = np.zeros((24, 24, 24), "f4")
+    segments[:, 12:], segments[8:16, 8:16, 8:16] = 1, 7
+    volume.save(tmp_path / "gas.vdb")
+    vog.Volume.from_numpy(segments).save(tmp_path / "seg.vdb")  # 0 is not active
+    command("convert", "gas.vdb", "-o", "command.ply", "--no-hierarchy", "--budget", 300, "--labels", "seg.vdb")
+    expected = vog.Gaussians.load(tmp_path / "command.ply")
+    done = []
+    for labels in (segments, vog.Volume.load(tmp_path / "seg.vdb")):
+        model = vog.convert(vog.Volume.load(tmp_path / "gas.vdb"), budget=300, labels=labels, progress=done.append)
+        assert set(np.unique(model.fields["label"].value)) == {0, 1, 7}
+        assert np.array_equal(model.mean, expected.mean)
+    assert done == sorted(done[: len(done) // 2]) + sorted(done[len(done) // 2 :]) and done[-1] == pytest.approx(1)
+
+
+@pytest.mark.parametrize("options, message", [
+    ({"labels": np.full((64, 64, 64), 0.5)}, "whole numbers"), ({"labels": np.ones((64, 64, 64)), "periodic": True}, "labels and periodic exclude"),
+    ({"labels": np.ones((64, 64, 64)), "report": {}}, "labels and report exclude"), ({"labels": np.ones((64, 64, 64)), "fields": False}, "other fields"),
+])  # fmt: skip
+def test_labels_are_refused_in_one_line(cloud, options, message):
+    with pytest.raises(vog.Error, match=message):
+        vog.convert(cloud, **options)
+    with pytest.raises(vog.Error, match="single Volume"):
+        vog.convert(vog.sample_particles(8), labels=np.ones((8, 8, 8)))
+
+
 def test_options_of_particles_are_refused_without_effect():
     points = vog.sample_particles(8)
     for options in ({"radius": 1.0, "neighbours": 3}, {"mass_threshold": 0.1}, {"axis_aligned": True}):

@@ -20,7 +20,7 @@ def model(volume):
 
 def mass_of(projection):
     array, (left, right, bottom, top) = projection
-    return float(array.sum()) * (right - left) * (top - bottom) / array.size
+    return float(array.sum()) * abs(right - left) * (top - bottom) / array.size
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z", "-x", "-y", "-z", 0, 2, (1, 2, 3)])

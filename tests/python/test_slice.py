@@ -31,7 +31,7 @@ def test_along_an_axis_turned_round_and_wider_than_the_data():
     volume = voxels(some_array(), voxel_size=0.5)
     front, extent = vog.slice(volume, "z", 0.5, resolution=12)
     back, turned = vog.slice(volume, "-z", -0.5, resolution=12)
-    assert np.array_equal(front, back[:, ::-1]) and turned == pytest.approx((-extent[1], -extent[0], *extent[2:]))
+    assert np.array_equal(front, back[:, ::-1]) and turned == pytest.approx((extent[1], extent[0], *extent[2:]))
     wide, extent = vog.slice(volume, "z", 0.5, width=6, resolution=24)
     assert extent == pytest.approx((-1.75, 4.25, -2, 4))
     assert np.isnan(wide[0]).all() and np.nansum(wide) == pytest.approx(np.sum(front))
@@ -157,6 +157,15 @@ def test_of_scans_are_seen_as_radiologists_see_them(tmp_path):
         for y in (0, -1):
             for x in (0, -1):
                 assert inside[y, x] == shown[y, x], (axis, x, y)
+        # The extent has world coordinates, also where they fall to the right.
+        _, columns_of, rows_of = {"axial": (2, 0, 1), "coronal": (1, 0, 2), "sagittal": (0, 1, 2)}[axis]
+        edges = np.array([[-0.5, n - 0.5] for n in values.shape]) * np.array([2.0, 3, 4])[:, None]
+        found = np.array(extent).reshape(2, 2)
+        assert found[0, 0] > found[0, 1] and found[1, 0] < found[1, 1]
+        assert found.sum(axis=1) == pytest.approx([edges[columns_of].sum(), edges[rows_of].sum()])
+    made = vog.slice(scan, "axial", resolution=8)
+    assert "slice of value," in repr(made) and made.pixel_area > 0
+    assert made.header()["CTYPE1"] == "X" and made.header()["CDELT1"] < 0 < made.header()["CDELT2"]
     middle = vog.slice(scan, "axial").array
     assert set(np.unique(middle[~np.isnan(middle)])) <= set(np.unique(values[:, :, 3])) | set(np.unique(values[:, :, 4]))
     with pytest.raises(vog.Error, match="axial"):

@@ -116,7 +116,7 @@ def test_keywords_are_those_of_the_schemas():
         keys = [key for key, one in inspect.signature(call).parameters.items() if key in schema and key != "size" and one.default is None] if call is not vog.convert else []
         lines = keyword_lines({key: type_of(key) for key in keys} or conversion, indent)
         wanted = re.sub(
-            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:method|fields|progress|report|title|description|levels|camera|steps|precise|url): [^\n]*\n)*).*?(?= *\) -> )",
+            rf"(def {call.__name__}\((?:[^)]*\n)? *\*,\n)((?: *(?:method|fields|labels|progress|report|title|description|levels|camera|steps|precise|url): [^\n]*\n)*).*?(?= *\) -> )",
             lambda found: found[1] + found[2] + lines, wanted, count=1, flags=re.S,
         )
     if os.environ.get("VOG_WRITE_STUB"):

@@ -26,7 +26,10 @@ std::string joint_text(const std::string& field, const JointReport& report) {
 }
 
 FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own) {
-    return {arguments.fields, arguments.volume.grid, arguments.inputs, arguments.volume.ones, own};
+    FieldTexts texts{arguments.fields, arguments.volume.grid, arguments.inputs,
+                     arguments.volume.ones, own};
+    if (!arguments.labels.empty()) texts.labels = arguments.fields.back();
+    return texts;
 }
 
 std::string joint_field_of(const ConvertArguments& arguments, const FieldTexts& texts,

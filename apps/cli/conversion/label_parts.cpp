@@ -8,6 +8,7 @@
 #include "conversion/volume_fields.h"
 #include "vog/convert_labels.h"
 #include "vog/error.h"
+#include "vog/scan_io.h"
 
 namespace vog::cli {
 
@@ -15,15 +16,20 @@ std::vector<double> divide_by_labels(ConvertArguments& arguments, LoadedVolumes&
     if (set.volumes.size() != 1 || set.is_mesh())
         throw UsageError(fmt::format("--labels needs a single volume, not {}", set.volumes.size()));
     const std::string& labels = arguments.labels;
-    std::error_code code;
-    const std::string file = labels.substr(0, labels.rfind(':'));
-    const bool names_file = std::filesystem::is_regular_file(labels, code) ||
-                            std::filesystem::is_regular_file(file, code);
+    const auto is_file = [](const std::string& name) {
+        std::error_code code;
+        return std::filesystem::is_regular_file(name, code) || is_volume_file(name);
+    };
+    const bool names_file = is_file(labels) || is_file(labels.substr(0, labels.rfind(':')));
     const std::string text =
         "label=" + (names_file ? labels : arguments.inputs.front() + ":" + labels);
     std::vector<std::string> notes;  // read once more, with the parts
-    const auto read =
-        read_volume_fields({{text}, arguments.volume.grid, arguments.inputs}, set.volumes, notes);
+    std::vector<FieldCoverage> coverage;
+    const auto read = read_volume_fields({{text}, arguments.volume.grid, arguments.inputs},
+                                         set.volumes, notes, &coverage);
+    const bool own = coverage.front().voxels == 0;  // the volume's values
+    if (const std::string note = own ? "" : coverage_note(coverage.front()); !note.empty())
+        set.notes.push_back(note);
     if (read.front().front().is_vector())
         throw Error(fmt::format("--labels {}: a vector field, expected whole numbers", labels));
     std::vector<LabelledVolume> parts = [&] {

@@ -1,6 +1,8 @@
 // volume_fields.cpp: reading of fields, one volume after another.
 #include "conversion/volume_fields.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -89,6 +91,10 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
     const std::vector<FieldSource> sources = sources_of(given, volumes);
     std::vector<std::vector<VoxelField>> all(sources.size());
     if (coverage) coverage->resize(sources.size());
+    const bool are_parts = !given.labels.empty();
+    const auto add_note = [&](const std::string& note) {
+        if (!note.empty()) notes.push_back(note);
+    };
     for (Volume& volume : volumes) {
         // One volume at a time: its tiles are divided for all fields.
         const LevelSource from = source_of(volume, given.inputs);
@@ -104,8 +110,16 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
                 continue;
             }
             FieldCoverage one;
-            fields.push_back(read_beside(source, volume, fields, notes, coverage ? &one : nullptr));
-            if (coverage) (*coverage)[f].add(one);
+            fields.push_back(
+                read_beside(source, volume, fields, notes, coverage || are_parts ? &one : nullptr));
+            if (coverage)
+                (*coverage)[f].add(one);
+            else if (are_parts && (added || given.texts[f] != given.labels))
+                add_note(one.covered_voxels > 0
+                             ? coverage_note(one)
+                             : fmt::format("{}: inactive at all voxels of one label; the field has "
+                                           "its background value there",
+                                           one.grid));
         }
         for (std::size_t f = 0; f < all.size(); ++f) {
             if (!all[f].empty()) fields[f].name = all[f].front().name;

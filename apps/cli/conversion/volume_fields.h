@@ -23,6 +23,8 @@ struct FieldTexts {
     bool ones = false;                ///< volumes count voxels: their values are read as a field
     /// Name of a field of the volumes' own values, unless a text names them or has that name; empty: none.
     std::string own{};
+    /// The text whose labels divide the volumes, which are parts of one then: fields may miss a part, and labels are 0 beyond their grid.
+    std::string labels{};
 };
 /// Names of the fields that read_volume_fields would return, from the files' lists of grids.
 /// throws   as there for texts, and for files and grids that are not there

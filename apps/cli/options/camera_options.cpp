@@ -105,6 +105,12 @@ Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, do
         camera.orthographic_width *= fitted_width(camera, box, aspect) / before;
     }
     if (arguments.width > 0) camera.orthographic_width = arguments.width;
+    if (!arguments.look_at.empty()) {  // of a slice, whose view moves along its plane
+        const Vec3d forward = normalized(camera.look_at - camera.eye),
+                    away = parse_vector("--look-at", arguments.look_at) - camera.look_at,
+                    along = away - dot(away, forward) * forward;
+        camera.eye = camera.eye + along, camera.look_at = camera.look_at + along;
+    }
     return arguments.roll_degrees != 0 ? rolled(camera, arguments.roll_degrees) : camera;
 }
 
@@ -173,8 +179,8 @@ bool view_given(const GivenOptions& command) { return !command.names(kViewGroup)
 
 bool keeps_stored(const ViewArguments& arguments, const GivenOptions& command) {
     return arguments.stored &&
-           !command.has_any({"--view", "--distance", "--fov", "--eye", "--look-at", "--camera"}) &&
-           (arguments.along_plane || !command.has_any({"--frame", "--up"}));
+           !command.has_any({"--view", "--distance", "--fov", "--eye", "--camera"}) &&
+           (arguments.along_plane || !command.has_any({"--frame", "--up", "--look-at"}));
 }
 
 Subject framed(const ViewArguments& arguments, const Subject& subject,

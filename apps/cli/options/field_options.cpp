@@ -90,8 +90,9 @@ FieldSource parse_field(const std::string& text) {
         check_name(text, name);
         source = existing(rest);
     }
-    if (!source)
-        source = split_at_colon(rest, is_volume_file);  // its reader reports the missing file
+    if (!source)  // its reader reports the missing file
+        source =
+            is_volume_file(rest) ? FieldSource{.file = rest} : split_at_colon(rest, is_volume_file);
     if (!source) source = FieldSource{.grid = rest};
     if (rest.empty() || (rest.back() == ':' && source->grid.empty()))
         refuse(text, fmt::format("no grid, {}", kForms));

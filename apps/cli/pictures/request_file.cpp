@@ -160,10 +160,12 @@ void place_layers(DrawingArguments& drawing, PictureRequest& request) {
             if (layer.input == all.size()) all.push_back(layer.file);
             layer.file.clear();
         }
-        if (layer.input >= all.size())
-            throw UsageError(fmt::format("--layer: input {} of {}, expected 0 to {}", layer.input,
-                                         all.size(), all.size() - 1));
     }
+    const std::size_t needed = std::ranges::max(request.layers, {}, &Layer::input).input + 1;
+    if (needed > all.size())
+        throw UsageError(
+            fmt::format("--request: the picture has {} inputs, but {} given, expected all of them",
+                        needed, all.size() == 1 ? "1 is" : fmt::format("{} are", all.size())));
     for (std::size_t n = 0; n < all.size(); ++n)
         if (std::ranges::none_of(request.layers, [&](const Layer& l) { return l.input == n; }))
             throw UsageError(

@@ -25,6 +25,11 @@ std::size_t part_length(const std::string& text) {
     return 0;
 }
 
+/// "1 triangle", "2,000 voxels".
+std::string counted(std::uint64_t count, const char* noun) {
+    return fmt::format("{} {}{}", count_text(count), noun, count == 1 ? "" : "s");
+}
+
 /// Sets the range of a field to that over all ranks.
 template <class Field>
 void share_range(Field& field, const RenderRanks& ranks) {
@@ -177,10 +182,10 @@ std::string signed_note(const std::string& input, double lower, double upper) {
 
 void SceneInputs::set_primitives_text(std::size_t levels) {
     if (kind != FileKind::volume) {
-        primitives_text = count_text(gaussians) + " Gaussians";
+        primitives_text = counted(gaussians, "Gaussian");
         return;
     }
-    primitives_text = count_text(active_voxels) + " voxels";
+    primitives_text = counted(active_voxels, "voxel");
     if (levels) primitives_text += fmt::format(" in {} levels", levels);
 }
 
@@ -255,7 +260,7 @@ SceneInputs load_layer(DrawingArguments own, PictureRequest& request, std::size_
             scene_of(std::make_shared<const Surface>(read_surface(input, &inputs.notes)));
         if (ranks.is_root) print_notes(inputs.notes);
         inputs.scene.name = input;
-        inputs.primitives_text = count_text(inputs.scene.surface().triangle.size()) + " triangles";
+        inputs.primitives_text = counted(inputs.scene.surface().triangle.size(), "triangle");
         return inputs;
     }
     if (!layer.grid.empty()) own.volume.grid = layer.grid;

@@ -224,11 +224,17 @@ Subject::Subject(const Box& of) : box(of) {
 }
 
 void Subject::include(const Subject& other) {
+    // Data without voxels have their box among those of the others.
+    Box outline;
+    for (const Subject* one : {static_cast<const Subject*>(this), &other})
+        outline.include(one->content.voxels.empty() ? one->box : one->content.voxels);
+    const bool have_voxels = !content.voxels.empty() || !other.content.voxels.empty();
     box.include(other.box);
     if (content.hull.empty())
         content = other.content;
     else if (!other.content.hull.empty())
         content.include(other.content);
+    if (have_voxels) content.voxels = outline;
 }
 
 Vec3d up_of(const Orbit& orbit, const Subject& subject) {

@@ -53,7 +53,8 @@ ScanFile open_scan(const std::filesystem::path& file) {
             throw Error(
                 fmt::format("{}: transform is singular or not finite, expected an invertible one",
                             file.string()));
-        grid.name = grid.plain_name = grid_name(grid.name);
+        grid.name = grid_name(grid.name);
+        grid.plain_name = grid.plain_name.empty() ? grid.name : grid_name(grid.plain_name);
         repeats[grid.name] += 1;
         grid.length_unit = printable(grid.length_unit, 40);
         grid.value_unit = printable(grid.value_unit, 40);

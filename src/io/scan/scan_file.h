@@ -19,11 +19,12 @@ namespace vog::scan {
 /// One image of a file: a frame of a series, a channel, or the only one.
 struct ScanGrid {
     std::string name = "value";  ///< "value" of the only image; "t3", "c0", "red" of several
-    std::string plain_name{};    ///< without the number of one that repeats
-    Vec3i size;                  ///< voxels along x, y, z, >= 1
-    Affine world_from_index;     ///< from indices, from 0 at the first voxel's centre
-    std::string type;            ///< of the stored values: "int16"
-    std::string coordinates;     ///< of the world: "RAS, from sform"; empty: those of the file
+    std::string
+        plain_name{};         ///< without the number of one that repeats; or a channel's own, "GFP"
+    Vec3i size;               ///< voxels along x, y, z, >= 1
+    Affine world_from_index;  ///< from indices, from 0 at the first voxel's centre
+    std::string type;         ///< of the stored values: "int16"
+    std::string coordinates;  ///< of the world: "RAS, from sform"; empty: those of the file
     Standing standing{};
     std::string length_unit{};  ///< of the world: "mm"; empty: not known
     std::string value_unit{};   ///< "HU"; empty: not known

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "io/scan/scan_file.h"
 #include "vog/error.h"
 #include "vog/openvdb.h"
 #include "vog/surface.h"
@@ -35,6 +36,7 @@ Surface isosurface(const Volume& volume, double value) {
     if (points.size() > std::numeric_limits<std::uint32_t>::max())
         throw Error(fmt::format("isosurface: {} points, expected at most 2^32", points.size()));
     Surface surface;
+    surface.is_ras = volume.standing == scan::kPatient;
     surface.point.reserve(points.size());
     for (const openvdb::Vec3s& p : points)
         surface.point.push_back(

@@ -41,7 +41,8 @@ void require_floats(const std::filesystem::path& file, const Surface& surface) {
 
 void write_stl(std::ofstream& out, const Surface& surface) {
     std::array<char, 80> head{};
-    std::string_view("vog isosurface").copy(head.data(), head.size());
+    std::string_view(surface.is_ras ? "vog isosurface. SPACE=RAS" : "vog isosurface")
+        .copy(head.data(), head.size());
     put(out, head);
     put(out, static_cast<std::uint32_t>(surface.triangle.size()));
     for (const auto& t : surface.triangle) {
@@ -55,15 +56,17 @@ void write_stl(std::ofstream& out, const Surface& surface) {
 
 void write_ply_faces(std::ofstream& out, const Surface& surface) {
     out << fmt::format(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
+        "ply\nformat binary_little_endian 1.0\n{}element vertex {}\nproperty float x\nproperty "
+        "float "
         "y\nproperty float z\nelement face {}\nproperty list uchar uint vertex_indices\n"
         "end_header\n",
-        surface.point.size(), surface.triangle.size());
+        surface.is_ras ? "comment SPACE=RAS\n" : "", surface.point.size(), surface.triangle.size());
     for (const Vec3d point : surface.point) put_point(out, point);
     for (const auto& triangle : surface.triangle) put(out, std::uint8_t{3}), put(out, triangle);
 }
 
 void write_obj(std::ofstream& out, const Surface& surface) {
+    if (surface.is_ras) out << "# SPACE=RAS\n";
     const std::ostreambuf_iterator<char> to(out);
     for (const Vec3d p : surface.point) fmt::format_to(to, "v {} {} {}\n", p.x, p.y, p.z);
     for (const auto& t : surface.triangle)

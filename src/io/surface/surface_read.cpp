@@ -294,7 +294,12 @@ Surface read_surface(const std::filesystem::path& file, std::vector<std::string>
     (format == ".stl" ? read_stl : format == ".obj" ? read_obj : read_ply_faces)(bytes, all);
     // 3D Slicer and others state the axes in a comment: x to the patient's left, y to the back. Images are turned to RAS, too.
     constexpr std::size_t kHead = 4096;
-    if (std::string_view(bytes).substr(0, kHead).find("SPACE=LPS") != std::string_view::npos) {
+    const auto states = [&](std::string_view space) {
+        return std::string_view(bytes).substr(0, kHead).find(space) != std::string_view::npos;
+    };
+    const bool is_lps = states("SPACE=LPS");
+    all.surface.is_ras = is_lps || states("SPACE=RAS");
+    if (is_lps) {
         for (Vec3d& point : all.surface.point) point = {-point.x, -point.y, point.z};
         if (notes)
             notes->push_back(file.string() + ": states SPACE=LPS, turned to RAS as images are");

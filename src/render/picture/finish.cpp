@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "io/file_extension.h"
 #include "render/picture/request/request_effects.h"
 #include "render/picture/slice_plane.h"
 #include "shade/annotation/bitmap_font.h"
@@ -162,8 +163,7 @@ void mark_layers(Picture& picture, const Scene& scene) {
             is_shared |=
                 made.layers[m].field.field == layer.field.field && name_of(m) != name_of(n);
         around.label = quantity_label(Show::volume, layer.field.field, layer.unit);
-        if (is_shared && !name_of(n).empty())
-            around.label += " of " + std::filesystem::path(name_of(n)).stem().string();
+        if (is_shared && !name_of(n).empty()) around.label += " of " + plain_stem(name_of(n));
         picture.image =
             beside_bar(picture, bar_of(layer.chosen, made.request.layers[n].plane.has_value()),
                        layer.chosen.scale, around, layer);

@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <tuple>
 
 #include "data/views/mass_lattice.h"
 #include "render/splat/splat.h"
 #include "shade/annotation/ticks.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 #include "vog/text.h"
@@ -114,6 +116,34 @@ std::string scalar_names(const Fields& fields) {
     for (const ScalarField& field : fields.scalar)
         names += (names.empty() ? "" : ", ") + printable(field.name);
     return names.empty() ? "none" : names;
+}
+
+ValueData value_data(const Scene& scene, const std::string& field) {
+    ValueData data;
+    if (scene.has_voxels()) {
+        const VoxelSource& source = scene.voxels();
+        const auto found = std::ranges::find(source.fields, field, &SampledField::name);
+        data = value_data(source.volumes->volumes, found->values, scene.subject.box);
+    } else {
+        data = value_data(*scene.model().model, *scene.model().model->fields.find_scalar(field));
+    }
+    data.box = scene.subject.box;
+    data.content = scene.subject.content.hull_box();
+    if (!scene.collective || !scene.collective->several()) return data;
+    const bool none = scene.has_voxels() && scene.voxels().volumes->volumes.empty();
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    double most[5] = {none ? kNone : -data.lower, none ? kNone : data.upper,
+                      data.is_measure ? 1.0 : 0.0, data.counts.empty() ? 0.0 : 1.0,
+                      none ? kNone : data.background};
+    scene.collective->max(most);
+    scene.collective->sum(data.mass);
+    data.lower = -most[0], data.upper = most[1];
+    data.is_measure = most[2] > 0;
+    data.background = most[4];
+    if (!(most[3] > 0)) return data;
+    scene.collective->sum(data.counts.weights());
+    data.spread = data.counts.spread();
+    return data;
 }
 
 VoxelField component_of(VoxelField field, const std::string& part, const Volume& volume) {

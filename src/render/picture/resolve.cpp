@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "render/picture/request/request_effects.h"
@@ -213,10 +212,16 @@ Scene scene_of_layers(std::vector<Scene> layers) {
     Scene scene;
     for (const Scene& layer : layers) {
         if (layer.sources.empty() || layer.has_surface()) continue;
-        if (scene.sources.empty())
+        if (scene.sources.empty()) {
             scene = layer;
-        else
-            scene.subject.include(layer.subject);
+            continue;
+        }
+        require_same_length(
+            layer.subject.content.units.length,
+            layer.name.empty() ? fmt::format("layer {}", &layer - layers.data()) : layer.name,
+            scene.subject.content.units.length,
+            scene.name.empty() ? "the layers before" : scene.name);
+        scene.subject.include(layer.subject);
     }
     if (scene.sources.empty())
         throw RequestError("layers",
@@ -275,34 +280,6 @@ Scene scene_of(std::shared_ptr<const VolumeSet> volumes) {
 
 const char* default_map(Show show) {
     return show == Show::depth || show == Show::volume ? kDefaultMap : "inferno";
-}
-
-ValueData value_data(const Scene& scene, const std::string& field) {
-    ValueData data;
-    if (scene.has_voxels()) {
-        const VoxelSource& source = scene.voxels();
-        const auto found = std::ranges::find(source.fields, field, &SampledField::name);
-        data = value_data(source.volumes->volumes, found->values, scene.subject.box);
-    } else {
-        data = value_data(*scene.model().model, *scene.model().model->fields.find_scalar(field));
-    }
-    data.box = scene.subject.box;
-    data.content = scene.subject.content.hull_box();
-    if (!scene.collective || !scene.collective->several()) return data;
-    const bool none = scene.has_voxels() && scene.voxels().volumes->volumes.empty();
-    constexpr double kNone = -std::numeric_limits<double>::infinity();
-    double most[5] = {none ? kNone : -data.lower, none ? kNone : data.upper,
-                      data.is_measure ? 1.0 : 0.0, data.counts.empty() ? 0.0 : 1.0,
-                      none ? kNone : data.background};
-    scene.collective->max(most);
-    scene.collective->sum(data.mass);
-    data.lower = -most[0], data.upper = most[1];
-    data.is_measure = most[2] > 0;
-    data.background = most[4];
-    if (!(most[3] > 0)) return data;
-    scene.collective->sum(data.counts.weights());
-    data.spread = data.counts.spread();
-    return data;
 }
 
 ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
@@ -370,6 +347,12 @@ ResolvedPicture resolve(PictureRequest request, const Scene& scene) {
     picture.unit_is_label = stated.empty() && !request.unit.empty();
     picture.request = std::move(request);
     TransferRequest& transfer = picture.request.transfer;
+    if (show == Show::slice && transfer.window) {
+        const auto [center, width] = *std::exchange(transfer.window, std::nullopt);
+        const ValueTransfer window = window_transfer(center, width, 1);
+        transfer.range.emplace(window.color.front().value, window.color.back().value);
+        transfer.points = transfer_points("gray");
+    }
     if (transfer.points.points.color.empty() && !transfer.window && transfer.bands.empty())
         transfer.points = transfer_points(named_transfer_function(default_map(show)));
     (void)stated_scale(picture.request);  // checks it

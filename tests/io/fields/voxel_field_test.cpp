@@ -45,6 +45,24 @@ TEST_F(voxel_field, signed_values_of_equal_lattices_are_exact) {
     }
 }
 
+TEST_F(voxel_field, values_of_equal_lattices_with_other_axes_are_exact) {
+    Volume volume = cube_of(20, 0.5f, kWorld);
+    const auto grid = make_grid("t", openvdb::GRID_UNKNOWN);
+    fill(*grid, {0, 3, -19}, {19, 22, 0}, signed_value);
+    const Affine volume_from_grid{{{Vec3d{0, 1, 0}, {-1, 0, 0}, {0, 0, -1}}}, {-3, 19, 0}};
+    Affine map{kWorld.linear * volume_from_grid.linear, kWorld(volume_from_grid.translation)};
+    map.translation = map.translation + Vec3d{4e-5, -3e-5, 2e-5};
+    map.linear(0, 1) *= 1 + 1e-6;
+    place(*grid, map);
+    expect_values(
+        volume, read(grid, volume),
+        [&](Vec3i i) {
+            return Vec3d{double(signed_value({19 - i.y, i.x + 3, -i.z}))};
+        },
+        0);
+    EXPECT_TRUE(notes_.empty());
+}
+
 TEST_F(voxel_field, a_plane_is_exact_in_scaled_shifted_and_rotated_lattices) {
     const Affine turned = turned_map();
     struct Case {

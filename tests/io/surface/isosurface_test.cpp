@@ -75,6 +75,9 @@ TEST(isosurface, closes_at_the_edge_of_the_data_and_above_a_background) {
     EXPECT_NEAR(whole, 64, 12);  // half a voxel around the outer centres, without edges and corners
     volume.background = -1000;
     EXPECT_NEAR(enclosed(isosurface(volume, -999)), whole, 1e-4);
+    EXPECT_FALSE(isosurface(volume, -999).is_ras);
+    volume.standing = {{0, 0, 1}, {0, 1, 0}};
+    EXPECT_TRUE(isosurface(volume, -999).is_ras);
 }
 
 TEST(isosurface, is_refused_where_there_is_none) {

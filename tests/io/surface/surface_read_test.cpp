@@ -116,6 +116,27 @@ TEST(read_surface, turns_left_and_posterior_axes_as_scans) {
     EXPECT_EQ(surface.triangle.at(0), (std::array<std::uint32_t, 3>{0, 1, 2}))
         << "a turn, not a mirror";
     EXPECT_EQ(notes.size(), 1u);
+    EXPECT_TRUE(surface.is_ras);
+}
+
+TEST(read_surface, states_the_axes_of_scans_as_3d_slicer_does) {
+    const TempDir folder;
+    for (const bool is_ras : {true, false})
+        for (const auto& [name, text] : {std::pair{"s.stl", "SPACE=RAS"},
+                                         {"s.ply", "\ncomment SPACE=RAS\n"},
+                                         {"s.obj", "# SPACE=RAS\n"}}) {
+            Surface surface = tetrahedron();
+            surface.is_ras = is_ras;
+            write_surface(folder / name, surface);
+            std::ifstream in(folder / name, std::ios::binary);
+            const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+            EXPECT_EQ(bytes.find(text) != std::string::npos, is_ras) << name;
+            std::vector<std::string> notes;
+            const Surface read = read_surface(folder / name, &notes);
+            EXPECT_EQ(read.is_ras, is_ras) << name;
+            EXPECT_EQ(read.point.size(), 4u) << name;
+            EXPECT_TRUE(notes.empty()) << name;
+        }
 }
 
 TEST(read_surface, refuses_other_files_in_one_line) {

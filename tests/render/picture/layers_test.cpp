@@ -233,6 +233,20 @@ TEST(layers, that_are_hidden_are_not_drawn) {
               std::string::npos);
 }
 
+TEST(layers, are_called_by_their_files_without_extensions) {
+    const auto picture = [](const char* first, const char* second) {
+        PictureRequest request = request_of({layer_of({1, 0, 0}, 0.7), layer_of({0, 1, 0}, 0.7)});
+        request.width = request.height = 256;
+        request.marks.color_bar = true;
+        std::vector<vog::Scene> scenes{cube({0, 0, 0}, 1, 3), cube({-1, 0, 0}, 1, 2)};
+        scenes[0].name = first, scenes[1].name = second;
+        return render(scene_of_layers(std::move(scenes)), request).image.pixel;
+    };
+    const auto plain = picture("head.nii", "lung.vdb");
+    EXPECT_TRUE(picture("a/head.nii.gz", "lung.NVDB.GZ") == plain);
+    EXPECT_FALSE(picture("hand.nii.gz", "lung.vdb") == plain);
+}
+
 TEST(layers, are_the_same_from_words_and_json) {
     PictureRequest request;
     request.show = Show::volume;
@@ -282,6 +296,7 @@ TEST(layers, of_bad_words_are_refused_in_one_line) {
     };
     EXPECT_NE(refused("a.ply,map=inferno").find("'map': expected a file first, then grid, field"),
               std::string::npos);
+    EXPECT_NE(refused("").find("'': expected a file first"), std::string::npos);
     EXPECT_NE(refused("range=2,1").find("range 2,1: expected LO,HI"), std::string::npos);
     EXPECT_NE(refused("window=1,2,tf=gray").find("tf has no effect beside"), std::string::npos);
     EXPECT_NE(refused("tf=gray,tf=hot").find("tf twice"), std::string::npos);

@@ -94,6 +94,29 @@ std::array<double, 3> facing(const std::array<float, 3>& color) {
 
 }  // namespace
 
+TEST(layers, have_one_unit_of_length_which_some_may_not_state) {
+    const auto in = [](const char* unit, vog::Scene scene) {
+        scene.subject.content.units.length = unit;
+        return scene;
+    };
+    const auto unit_of = [](std::vector<vog::Scene> scenes) {
+        return scene_of_layers(std::move(scenes)).subject.content.units.length;
+    };
+    EXPECT_EQ(unit_of({in("mm", cube(3)), wall(0)}), "mm");
+    EXPECT_EQ(unit_of({in("mm", cube(3)), in("", blob()), wall(0)}), "mm");
+    EXPECT_EQ(unit_of({in("", blob()), in("um", cube(3)), in("µm", cube(2))}), "um");
+    EXPECT_EQ(refusal([&] {
+                  (void)unit_of({in("mm", cube(3)), in("um", cube(3))});
+              }),
+              "layer 1: lengths in 'um', expected 'mm' as in the layers before");
+}
+
+TEST(surfaces, lie_within_the_box_that_axes_outline) {
+    const Box box = outline_of(scene_of_layers({cube(3), wall(4, 1)}).subject);
+    EXPECT_EQ(box.upper, (Vec3d{1, 1, 4}));
+    EXPECT_EQ(box.lower, (Vec3d{-1, -1, -0.5}));
+}
+
 TEST(surfaces, hide_exactly_what_lies_behind_them_in_voxels) {
     const double per_unit = -std::log(0.3);
     for (const double z : {0.9, 0.31, 0.0, -0.4999, -0.7})

@@ -80,6 +80,14 @@ TEST(label_table, without_opacities_shows_all_but_the_background) {
     EXPECT_GT(light_at(points, 2).extinction, 9);
 }
 
+TEST(label_table, is_read_as_windows_writes_it) {
+    const TransferPoints points = read_table(
+        "\xef\xbb\xbf"
+        "1 L\xc3\xa9sion 200 0 0 255\r\n2 b 0 200 0 255\r\n");
+    EXPECT_EQ(points.lower, 0.5);
+    EXPECT_EQ(points.upper, 2.5);
+}
+
 TEST(label_table, a_name_chooses_a_label) {
     for (const char* const name : {":left_lung", ":Left lung"}) {
         const TransferPoints points = read_table(kSlicer, name);

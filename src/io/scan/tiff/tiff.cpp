@@ -302,11 +302,10 @@ ScanFile open_tiff(const std::filesystem::path& file) {
     const std::vector<Page> pages = pages_of(file, files, form, stack);
     const std::uint64_t slice = checked_voxels(file, form.width, form.height, 1);
     checked_voxels(file, form.width, form.height, static_cast<std::int64_t>(stack.slices));
-    ScanFile scan;
-    scan.note = stack.note;
-    scan.grids = named_copies(
-        grid_of(file, form, stack),
-        form.samples > 1 ? color_names(form.samples) : frame_names(stack.frames, stack.channels));
+    const auto names =
+        form.samples > 1 ? color_names(form.samples) : frame_names(stack.frames, stack.channels);
+    ScanFile scan{named_copies(grid_of(file, form, stack), names), stack.note};
+    name_channels(stack, scan.grids);
     scan.read = [files, pages, form, stack, slice](std::size_t n) {
         const std::size_t sample = form.samples > 1 ? n : 0, image = form.samples > 1 ? 0 : n;
         BigVector<float> values;

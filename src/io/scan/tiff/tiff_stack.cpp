@@ -214,6 +214,10 @@ void set_ome(const TiffTags& tags, TiffStack& stack) {
              fmt::format("OME's {} channels, {} slices and {} frames, expected 1 to {} in all",
                          stack.channels, stack.slices, stack.frames, kMostPlanes));
     set_places(tags, stack);
+    for (const XmlTag& channel : tags_named(tags.description, "Channel"))
+        stack.channel_names.push_back(printable(channel.attribute("Name"), 60));
+    if (stack.channel_names.size() != stack.channels || tags.samples > 1)
+        stack.channel_names.clear();
     std::string missing;
     for (int n = 0; n < 3; ++n) {
         const std::string key = fmt::format("PhysicalSize{}", "XYZ"[n]);
@@ -343,6 +347,15 @@ TiffStack tiff_stack(const TiffTags& tags) {
     stack.source =
         "rows down, pages along z; pixels by the resolution, slices as thick as they are wide";
     return stack;
+}
+
+void name_channels(const TiffStack& stack, std::vector<ScanGrid>& grids) {
+    for (std::size_t n = 0; n < grids.size() && !stack.channel_names.empty(); ++n) {
+        const std::string& name = stack.channel_names[n % stack.channels];
+        if (name.empty()) continue;
+        grids[n].plain_name = name;
+        grids[n].coordinates = fmt::format("channel {}; {}", name, grids[n].coordinates);
+    }
 }
 
 }  // namespace vog::scan

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/scan/scan_file.h"
 #include "vog/linear.h"
 
 namespace vog::scan {
@@ -33,7 +34,8 @@ struct TiffStack {
     std::vector<double> coefficients;  ///< value = c0 + c1 stored + c2 stored^2 ...; empty: stored
     double blank = std::numeric_limits<double>::quiet_NaN();  ///< stored where there is no value
     std::string value_unit;
-    std::vector<std::string> units;  ///< of x, y, z
+    std::vector<std::string> units;            ///< of x, y, z
+    std::vector<std::string> channel_names{};  ///< [channels] as a microscope calls them; or none
     std::string source = "voxels of 1, the file states none";
     std::string note;  ///< what the description leaves out; empty: nothing
 
@@ -46,5 +48,8 @@ struct TiffStack {
 /// Stack by ImageJ's, OME's or tifffile's description, else by the resolution.
 /// throws vog::Error for descriptions of several images, and of axes that are no channels, slices or frames
 TiffStack tiff_stack(const TiffTags& tags);
+
+/// Lets the grids of frames and channels be chosen by the channels' names, too, which their coordinates state.
+void name_channels(const TiffStack& stack, std::vector<ScanGrid>& grids);
 
 }  // namespace vog::scan

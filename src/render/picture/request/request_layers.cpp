@@ -107,6 +107,7 @@ Values layers_values() {
 }
 
 Layer layer_of_words(const std::string& text) try {
+    if (text.empty()) refuse_key(text, kWords);
     Layer layer;
     using Word = std::pair<std::string, std::string>;
     std::vector<Word> members;

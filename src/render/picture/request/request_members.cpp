@@ -133,8 +133,9 @@ std::vector<Entry> volume_entries() {
     const VolumeLook look;
     return {
         {member("window", kVolume, "CENTRE,WIDTH",
-                "Medical window: grey and opacity rise from CENTRE-WIDTH/2 to CENTRE+WIDTH/2", "",
-                {}, "volume"),
+                "Medical window: grey and, in volumes, opacity rise from CENTRE-WIDTH/2 to "
+                "CENTRE+WIDTH/2",
+                "", {}, "volume slice"),
          pair(VOG_MEMBER(transfer.window), false, "CENTRE,WIDTH, a width above 0")},
         {member(
              "bands", kVolume, "LO,HI,COLOUR,OPACITY|VALUE,COLOUR",
