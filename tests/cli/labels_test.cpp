@@ -111,8 +111,8 @@ TEST_F(labels_command, slices_show_the_densest) {
     write("t.ctbl", "1 left 255 0 0 255\n2 right 0 255 0 255\n3 ball 0 0 255 255\n");
     must("convert gas.vdb --labels seg.vdb --block 2 -o m.ply");
     must(
-        "render m.ply --show slice --plane z=16 --field label --tf t.ctbl -o s.png --values-out "
-        "s.npy --size 64 --view +z --width 32 --look-at 16,16,16");
+        "render m.ply --show slice --plane z=16 --field label --tf t.ctbl -o s.png --size 64 "
+        "--values-out s.npy");
     const auto map = read_map(dir_ / "s.npy");
     int wrong = 0, seen = 0;
     for (int row = 0; row < map.height; ++row)

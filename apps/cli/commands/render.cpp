@@ -328,13 +328,17 @@ void require_effects_of(const RenderArguments& arguments, const GivenOptions& co
 
 /// Runs the command and prints its report, on the root.
 void render_files(RenderArguments& given, GivenOptions command, const RenderRanks& ranks) {
+    const auto require_one = [&](bool layers) {
+        if (layers && !given.turntable && is_of_many(given.output))
+            throw UsageError("--layer works with one picture (-o FILE.png) or --turntable");
+    };
+    require_one(given.words.has("layers"));
     take_request(given, command);
     RenderArguments arguments = given;
     arguments.reading.merge(reading_options(command));
     arguments.drawing.inputs = expanded(given.drawing.inputs);
     name_models_of_site(arguments, ranks);
-    if (!arguments.request.layers.empty() && !arguments.turntable && is_of_many(arguments.output))
-        throw UsageError("--layer works with one picture (-o FILE.png) or --turntable");
+    require_one(!arguments.request.layers.empty());
     if (makes_nothing(arguments)) {
         if (arguments.turntable)
             throw UsageError(

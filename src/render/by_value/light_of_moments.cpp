@@ -132,24 +132,8 @@ void join_pieces(std::vector<device::LightPiece>& pieces) {
     pieces.resize(kept);
 }
 
-}  // namespace
-
-double ValueRange::share(double value) const {
-    if (order.empty()) return (value - lower) / (upper - lower);
-    const auto at = std::ranges::lower_bound(order, value, std::less<>());
-    const double between = at != order.end() && double{*at} == value ? 0 : 0.5;
-    return (static_cast<double>(at - order.begin()) - between) /
-           static_cast<double>(order.size() - 1);
-}
-
-double ValueRange::value(double share) const {
-    if (order.empty()) return lower + share * (upper - lower);
-    const double last = static_cast<double>(order.size() - 1);
-    return order[static_cast<std::size_t>(std::rint(std::clamp(share, 0.0, 1.0) * last))];
-}
-
 /// ValueRange::order
-static std::vector<float> labels_of(const ScalarField& field, const Collective* processes) {
+std::vector<float> labels_of(const ScalarField& field, const Collective* processes) {
     constexpr std::size_t kMost = 512;
     constexpr double kMostNumbers = 1 << 16;  // from the least to the largest, of several processes
     std::vector<float> labels;
@@ -176,6 +160,22 @@ static std::vector<float> labels_of(const ScalarField& field, const Collective* 
         if (there[n] > 0)
             labels.push_back(static_cast<float>(field.lower + static_cast<double>(n)));
     return labels;
+}
+
+}  // namespace
+
+double ValueRange::share(double value) const {
+    if (order.empty()) return (value - lower) / (upper - lower);
+    const auto at = std::ranges::lower_bound(order, value, std::less<>());
+    const double between = at != order.end() && double{*at} == value ? 0 : 0.5;
+    return (static_cast<double>(at - order.begin()) - between) /
+           static_cast<double>(order.size() - 1);
+}
+
+double ValueRange::value(double share) const {
+    if (order.empty()) return lower + share * (upper - lower);
+    const double last = static_cast<double>(order.size() - 1);
+    return order[static_cast<std::size_t>(std::rint(std::clamp(share, 0.0, 1.0) * last))];
 }
 
 ValueRange value_range(const ScalarField& field, const Collective* processes) {

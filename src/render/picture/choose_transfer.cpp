@@ -60,14 +60,17 @@ void require_inside(const TransferRequest& request, const ValueData& data) {
     }
 }
 
-/// The spread, of values as near to each other as the bins of ValueCounts by all that is known: within two bins, and in the data.
+/// The spread, of values as near to each other as the bins of ValueCounts by all that is known: within two bins, and in the data where
+/// these have no others.
 ValueSpread spread_of(const ValueData& data) {
     ValueSpread spread = data.spread;
     const double largest = std::max(std::abs(spread.low), std::abs(spread.high));
     const bool is_one = data.upper - data.lower <= 1e-6 * largest;  // value, but for rounding
     if (!spread.known || is_one || spread.high - spread.low > largest / 32) return spread;
-    spread.low = std::max(spread.low - largest / 64, data.lower);
-    spread.high = std::min(spread.high + largest / 64, data.upper);
+    spread.low -= largest / 64, spread.high += largest / 64;
+    if (data.upper - data.lower <= largest / 32)
+        spread.low = std::max(spread.low, data.lower),
+        spread.high = std::min(spread.high, data.upper);
     spread.middle = 0.5 * (spread.low + spread.high);
     return spread;
 }

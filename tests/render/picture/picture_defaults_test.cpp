@@ -113,6 +113,23 @@ TEST(picture_defaults, ranges_are_logarithmic_where_the_data_ask) {
     EXPECT_THROW((void)value_scale(of(-2, -2, -1), true), Error);
 }
 
+TEST(picture_defaults, what_has_the_least_value_is_seen_where_most_has_it) {
+    const auto position = [](const ValueData& data) {
+        const ColorScale scale = value_scale(data);
+        EXPECT_GT(scale.high, data.spread.low);
+        return scale_position(scale, data.lower);
+    };
+    for (const ValueSpread& spread : {ValueSpread{40, 40, 1000, true},
+                                      {10, 10, 1000, true},
+                                      {1, 1, 1, true},
+                                      {1, 1.0078125, 1.015625, true}}) {
+        const double at = position({spread.low, 5 * spread.high, spread, {}, 1, true, {}, 0});
+        EXPECT_GT(at, 0.1) << spread.low << ' ' << spread.high;
+        EXPECT_LT(at, 0.6) << spread.low << ' ' << spread.high;
+    }
+    EXPECT_EQ(position({1, 9, {1, 4, 9, true}, {}, 1, true, {}}), 0);
+}
+
 TEST(picture_defaults, volumes_and_models_have_one_unit_distance) {
     for (const Volume& volume : {sample_cloud({.size = 64}), sample_explosion({.size = 64})})
         for (const MomentOptions& options :
