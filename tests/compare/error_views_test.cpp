@@ -56,7 +56,7 @@ TEST(error_views, each_pixel_has_one_of_the_fifth_at_or_beside_it) {
 }
 
 TEST(error_views, a_fifth_of_the_rays_are_those_of_the_whole_picture) {
-    const Volume volume = sample_explosion({.size = 32});
+    const Volume volume = sample_explosion({.size = 64});
     const Camera camera = error_views(world_box(volume)).front();
     const VoxelGrid grid = voxel_grid(volume, {Interpolation::linear, 0});
     ReferenceOptions fifth;

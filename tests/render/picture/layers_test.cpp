@@ -287,6 +287,29 @@ TEST(layers, of_channels_have_their_colours) {
     EXPECT_EQ(colors({"density", "temperature"}), "");
 }
 
+TEST(layers, of_one_file_under_one_range_have_one_unit_distance) {
+    const vog::Scene scenes[] = {cube({0, 0, 0}, 1, 1), cube({0, 0, 0}, 1, 0.1f)};
+    const auto units = [&](std::size_t other_input, double other_most) {
+        PictureRequest request = request_of({});
+        request.layers.resize(2);
+        for (Layer& layer : request.layers) {
+            layer.transfer.points = transfer_points("red");
+            layer.transfer.range.emplace(0, 1);
+        }
+        request.layers[1].input = other_input;
+        request.layers[1].transfer.range->second = other_most;
+        const ResolvedPicture made = resolve(request, scene_of_layers({scenes[0], scenes[1]}));
+        return std::array{made.layers[0].chosen.transfer.unit_distance,
+                          made.layers[1].chosen.transfer.unit_distance};
+    };
+    const auto [first, second] = units(0, 1);
+    EXPECT_EQ(first, second);
+    for (const auto& [own, other] : {units(1, 1), units(0, 2)}) {
+        EXPECT_EQ(own, first);
+        EXPECT_LT(other, own);
+    }
+}
+
 TEST(layers, of_bad_words_are_refused_in_one_line) {
     const auto refused = [](const std::string& words) {
         return refusal([&] {
