@@ -124,7 +124,7 @@ struct ValueData {
     ValueCounts counts{};  ///< for sums over processes; empty: the spread is that of the whole
     double background =
         0;          ///< value of the field at which the density is 0; only of the density itself
-    Box content{};  ///< of Content::hull, world units; empty: not known
+    Box content{};  ///< box of Content::hull, world units; empty: not known
 };
 ValueData value_data(const Gaussians& gaussians, const ScalarField& field);
 /// volumes  which do not overlap
@@ -142,8 +142,8 @@ double steepest_gradient(const Scene& scene, const std::string& field);
 /// log     nothing: where they are above 0 and a decade apart or more, without a background
 /// throws  vog::Error for a logarithmic range of values that are not above 0
 ColorScale value_scale(const ValueData& data, std::optional<bool> log = {});
-/// A hundredth of the diagonal of the data's box, to four digits: unit distance of opacities that a user states. Of a field that is not the
-/// density itself, whose extinction is weighted by density: times the mean density in the box of what is shown.
+/// A hundredth of the diagonal of the data's box, to four digits: unit distance of opacities that a user states. For a field beside the
+/// density, which weighs its extinction, times the mean density in the box of what is shown.
 double rough_unit_distance(const ValueData& data);
 /// map_unit_distance is the opacity of `middle`, at least 0.1, times `thickness`, rounded to two digits.
 struct MapUnit {
