@@ -105,10 +105,11 @@ CroppedDepth::CroppedDepth(const DepthImage& image) {
 
 namespace {
 
-/// Adds a volume's T to each image, interpolated to a fifth of its pixels. The traversal copies the voxels, so a large volume is traversed
+/// Adds a volume's T to each image, or to a fifth of its pixels. The traversal copies the voxels, so a large volume is traversed
 /// in four runs of its sorted leaves, whose T add up in both interpolations.
 void add_reference(const Volume& volume, std::span<const Camera> cameras,
-                   const VoxelGridOptions& options, std::span<DepthImage> images) {
+                   const VoxelGridOptions& options, const ReferenceOptions& traced,
+                   std::span<DepthImage> images) {
     constexpr std::size_t kSlabs = 4, kLeast = 256;  // leaves
     const std::size_t count = volume.leaves.size(), slabs = count < kLeast ? 1 : kSlabs;
     Volume slab;
@@ -123,8 +124,6 @@ void add_reference(const Volume& volume, std::span<const Camera> cameras,
         const VoxelGrid grid = voxel_grid(slab, options);
         slab = {{}, {}, volume.world_from_index, {}, volume.source};
         for (std::size_t view = 0; view < cameras.size(); ++view) {
-            ReferenceOptions traced;
-            traced.fifth = options.interpolation == Interpolation::linear;
             const DepthImage part =
                 render_reference(std::span(&grid, 1), cameras[view], kSize_px, kSize_px, traced);
             for (std::size_t pixel = 0; pixel < part.depth.size(); ++pixel)
@@ -135,9 +134,10 @@ void add_reference(const Volume& volume, std::span<const Camera> cameras,
 
 std::vector<DepthImage> reference_images(std::span<const Volume> parts,
                                          std::span<const Camera> cameras,
-                                         const VoxelGridOptions& options = {}) {
+                                         const VoxelGridOptions& options = {},
+                                         const ReferenceOptions& traced = {}) {
     std::vector<DepthImage> images(cameras.size(), DepthImage(kSize_px, kSize_px));
-    for (const Volume& part : parts) add_reference(part, cameras, options, images);
+    for (const Volume& part : parts) add_reference(part, cameras, options, traced, images);
     return images;
 }
 
@@ -240,12 +240,21 @@ RelativeError ErrorViews::relative_l2(const Gaussians& model) const {
     return sums.error();
 }
 
+bool ErrorViews::takes_fifth() const {
+    constexpr std::size_t kEnough = 20000;
+    std::size_t covered = 0;
+    for (const CroppedDepth& image : reference_) covered += image.covered();
+    return covered >= kEnough;
+}
+
 RelativeError ErrorViews::interpolation(std::span<const Volume> parts) const {
     constexpr VoxelGridOptions kLinear{Interpolation::linear, 0};
-    const std::vector<DepthImage> images = reference_images(parts, cameras_, kLinear);
+    ReferenceOptions traced;
+    traced.fifth = takes_fifth();
+    const std::vector<DepthImage> images = reference_images(parts, cameras_, kLinear, traced);
     SquareSums sums;
     for (std::size_t view = 0; view < images.size(); ++view)
-        add_view(view, images[view], sums, true);
+        add_view(view, images[view], sums, traced.fifth);
     return sums.error();
 }
 

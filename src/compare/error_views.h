@@ -29,6 +29,8 @@ class CroppedDepth {
 
     /// Whether every pixel is 0.
     bool empty() const { return values_.empty(); }
+    /// Number of pixels between the first and the last of each row that are not 0.
+    std::size_t covered() const { return values_.size(); }
 
   private:
     struct Row {
@@ -81,7 +83,9 @@ class ErrorViews {
     explicit ErrorViews(const Gaussians& finest,
                         const std::function<DepthImage(const Camera&)>& draw = {});
     RelativeError relative_l2(const Gaussians& model) const;
-    /// Error of the same voxels, interpolated linearly between their centres, in a fifth of the pixels.
+    /// Whether so many pixels show the data that estimates take the fifth of is_fifth(), all else.
+    bool takes_fifth() const;
+    /// Error of the same voxels, interpolated linearly between their centres, as takes_fifth() has it.
     /// parts  as given to the constructor
     RelativeError interpolation(std::span<const Volume> parts) const;
     /// Root mean square over all pixels of the visible error, dV^2 + kDepthErrorWeight dT^2, under

@@ -26,19 +26,11 @@ double square_difference(const Rgba& a, const Rgba& b) {
     return square({a.r - b.r, a.g - b.g, a.b - b.b, a.a - b.a});
 }
 
-/// Calls visit(column, row, place) for the pixels that are compared.
-template <class Visit>
-void for_each_fifth(const Visit& visit) {
-    for (int y = 0; y < kSize_px; ++y)
-        for (int x = 0; x < kSize_px; ++x)
-            if (is_fifth(x, y)) visit(x, y, static_cast<std::size_t>(y * kSize_px + x));
-}
-
 }  // namespace
 
 ValueViews::ValueViews(std::span<const Volume> volumes, std::span<const VoxelField> field,
                        const ErrorViews& views)
-    : field_(field.front().name), cameras_(views.cameras()) {
+    : field_(field.front().name), fifth_(views.takes_fifth()), cameras_(views.cameras()) {
     const ValueRange range = value_range(volumes, field);
     if (!(range.upper > range.lower))
         throw Error(fmt::format(
@@ -46,9 +38,16 @@ ValueViews::ValueViews(std::span<const Volume> volumes, std::span<const VoxelFie
             volumes.front().source, printable(field_), range.lower));
     functions_ = value_functions(range, views.radius());
     ReferenceOptions traced;
-    traced.fifth = true;
+    traced.fifth = fifth_;
     reference_ =
         render_volume_references(volumes, field, functions_, cameras_, kSize_px, kSize_px, traced);
+}
+
+template <class Visit>
+void ValueViews::for_each_pixel(const Visit& visit) const {
+    for (int y = 0; y < kSize_px; ++y)
+        for (int x = 0; x < kSize_px; ++x)
+            if (!fifth_ || is_fifth(x, y)) visit(x, y, static_cast<std::size_t>(y * kSize_px + x));
 }
 
 template <class Take>
@@ -71,23 +70,24 @@ ValueErrors ValueViews::errors(const Gaussians& model) const {
     std::vector<double> error2(cameras_.size()), norm2(cameras_.size());
     for_each_picture(model, [&](std::size_t view, std::size_t f, const VolumeImage& picture) {
         const std::vector<Rgba>& reference = reference_[view][f].pixel;
-        for_each_fifth([&](int, int, std::size_t n) {
+        for_each_pixel([&](int, int, std::size_t n) {
             const double square = square_difference(picture.pixel[n], reference[n]);
             errors.square[view][n] += static_cast<float>(square);
             error2[view] += square;
             norm2[view] += comparison::square(reference[n]);
         });
     });
+    SquareSums sums;
+    for (std::size_t view = 0; view < cameras_.size(); ++view) sums.add(error2[view], norm2[view]);
+    errors.relative_l2 = sums.error();
+    if (!fifth_) return errors;
     for (std::vector<float>& square : errors.square)
-        for_each_fifth([&](int x, int y, std::size_t n) {
+        for_each_pixel([&](int x, int y, std::size_t n) {
             if (x > 0) square[n - 1] = square[n];
             if (x + 1 < kSize_px) square[n + 1] = square[n];
             if (y > 0) square[n - kSize_px] = square[n];
             if (y + 1 < kSize_px) square[n + kSize_px] = square[n];
         });
-    SquareSums sums;
-    for (std::size_t view = 0; view < cameras_.size(); ++view) sums.add(error2[view], norm2[view]);
-    errors.relative_l2 = sums.error();
     return errors;
 }
 

@@ -22,7 +22,7 @@ struct ValueErrors {
 
 /// Pictures of the data by value from several directions, under the functions of compare/values/value_functions.h, and
 /// the errors of models against them: relative L2 of premultiplied colour and alpha,
-/// sqrt(sum |c - c_ref|^2 / sum |c_ref|^2) over a fifth of the pixels (is_fifth in render/pixel_tiles.h) and all functions.
+/// sqrt(sum |c - c_ref|^2 / sum |c_ref|^2) over pixels, or a fifth of them (ErrorViews::takes_fifth), and functions.
 class ValueViews {
   public:
     /// Pictures of voxels, constant in each.
@@ -46,7 +46,12 @@ class ValueViews {
     template <class Take>
     void for_each_picture(const Gaussians& model, const Take& take) const;
 
+    /// Calls visit(column, row, place) for the pixels that are compared.
+    template <class Visit>
+    void for_each_pixel(const Visit& visit) const;
+
     std::string field_;
+    bool fifth_;
     std::vector<ValueTransfer> functions_;
     std::vector<Camera> cameras_;
     std::vector<std::vector<VolumeImage>> reference_;  ///< [views][functions]
