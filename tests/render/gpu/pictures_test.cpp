@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -136,6 +137,45 @@ TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
                 }
             }
         }
+}
+
+TEST_F(gpu_pictures, of_labels_are_those_of_the_splat) {
+    Gaussians model = mixed_model(40);
+    ScalarField label = model.fields.scalar.front();
+    label.name = "label", label.lower = 0, label.upper = 2035;
+    for (std::size_t i = 0; i < model.size(); ++i)
+        label.value[i] = std::array{0.0f, 17.0f, 1035.0f, 2035.0f}[i % 4];
+    label.gradient.assign(model.size(), {}), label.deviation.assign(model.size(), 0);
+    model.fields.scalar.push_back(label);
+    const ValueTransfer organs{
+        "organs",
+        {{16.5, 1, 0, 0}, {17.5, 1, 0, 0}, {2034.5, 0, 0, 1}, {2035.5, 0, 0, 1}},
+        {{16.5, 0},
+         {16.5, 0.6},
+         {17.5, 0.6},
+         {17.5, 0},
+         {2034.5, 0},
+         {2034.5, 0.6},
+         {2035.5, 0.6},
+         {2035.5, 0}},
+        1};
+    auto all = all_pictures(model);
+    for (const auto& [name, camera] : kCameras) {
+        SlabOptions options;
+        options.slabs = 32;
+        const VolumeImage expected =
+            render_volume_splat(model, "label", organs, camera, kWidth, kHeight, options);
+        // Two colours, and no other between them.
+        for (const Rgba& pixel : expected.pixel) EXPECT_EQ(pixel.g, 0);
+        for (auto& [gpu, pictures] : all) {
+            SCOPED_TRACE(gpu.name + " " + name);
+            gpu.prepare();
+            const VolumeImage found =
+                pictures.volume("label", organs, camera, kWidth, kHeight, 32, {});
+            // Where three labels meet, their moments differ by rounding.
+            EXPECT_LT(worst(found, expected), 0.03);
+        }
+    }
 }
 
 TEST_F(gpu_pictures, of_maxima_are_those_of_the_splat) {
