@@ -314,7 +314,7 @@ def test_files(tmp_path, gas):
 BAD = [
     ({"show": "mode"}, "show"), ({"show": 3}, "show"), ({"show": "mean"}, "show 'mean'"), ({"show": "mean", "field": "p"}, "no field 'p'"),
     ({"show": "slice", "plane": "w=1"}, "plane w=1"), ({"show": "slice", "plane": "z", "thickness": 0}, "thickness 0"),
-    ({"show": "maximum", "field": 3}, "field 3"), ({"show": "maximum", "fields": {"a": X}}, "fields"),
+    ({"show": "maximum", "field": 3}, "field 3"), ({"show": "maximum", "fields": {"a": X}}, "show 'maximum': expected field, one of fields: a"),
     ({"tf": "no-such-map"}, "tf: no-such-map: neither a file nor the name"), ({"tf": np.zeros((2, 5))}, "tf"), ({"tf": {"colors": 3}}, "tf"),
     ({"show": "column", "range": (1, 0)}, "range"), ({"show": "column", "range": 3}, "range"), ({"show": "column", "range": (0, np.nan)}, "range"),
     ({"show": "column", "range": (0, 1), "scale": "log"}, "range"), ({"show": "column", "scale": "cubic"}, "scale"),

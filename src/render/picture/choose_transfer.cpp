@@ -145,22 +145,26 @@ ColorScale value_scale(const ValueData& data, std::optional<bool> log) {
     using Kind = ColorScale::Kind;
     // Rays end in outer layers of low values: linear colours of a decade and more would be dark.
     constexpr double kLogRatio = 10, kDecades = 1e4;
-    // Where most of the data has the least value, that lies as far above the range's low end, not at it, where nothing is seen.
+    // Where most of the data has the least value, that lies as far above the range's low end, not at it, where nothing is seen; 0 stands
+    // for nothing.
     constexpr double kLeast = 0.15;
     const ValueSpread spread = spread_of(data);
     const double high = spread.known ? spread.high : data.upper;
     double low = spread.known ? spread.low : data.lower;
+    const bool from_0 = data.background == 0 && low >= 0;
+    const double above = spread.middle - low;
+    const bool is_least = spread.known && low < high && above <= 0.01 * (high - low) &&
+                          (!from_0 || (low > 0 && above <= 0.02 * low));
     // Values above a background have a zero of their own: ratios of them mean nothing.
     if (log.value_or(data.background == 0 && low > 0 && high >= kLogRatio * low)) {
         if (!(high > 0))
             throw Error(fmt::format("a logarithmic range of values from {} to {}, expected above 0",
                                     data.lower, data.upper));
-        if (spread.known && spread.middle <= low * 1.01) low *= std::pow(low / high, kLeast);
+        if (is_least && low > 0) low *= std::pow(low / high, kLeast);
         low = std::max(low, high / kDecades);
         return {Kind::log, low < high ? low : high / 10, high};
     }
-    if (low < high && spread.known && spread.middle <= low + 0.01 * (high - low))
-        low -= kLeast * (high - low);
+    if (is_least) low = std::max(low - kLeast * (high - low), from_0 ? 0.0 : -HUGE_VAL);
     if (low < high) return {Kind::linear, low, high};
     // Data of one value: from 0, which has no opacity, to that value.
     if (high == 0) return {Kind::linear, 0, 1};

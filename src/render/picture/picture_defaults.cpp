@@ -124,11 +124,11 @@ ValueData value_data(const Scene& scene, const std::string& field) {
         const VoxelSource& source = scene.voxels();
         const auto found = std::ranges::find(source.fields, field, &SampledField::name);
         data = value_data(source.volumes->volumes, found->values, scene.subject.box);
+        data.content = scene.subject.content.hull_box();
     } else {
         data = value_data(*scene.model().model, *scene.model().model->fields.find_scalar(field));
     }
     data.box = scene.subject.box;
-    data.content = scene.subject.content.hull_box();
     if (!scene.collective || !scene.collective->several()) return data;
     const bool none = scene.has_voxels() && scene.voxels().volumes->volumes.empty();
     constexpr double kNone = -std::numeric_limits<double>::infinity();

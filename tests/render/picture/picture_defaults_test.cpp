@@ -128,6 +128,7 @@ TEST(picture_defaults, what_has_the_least_value_is_seen_where_most_has_it) {
         EXPECT_LT(at, 0.6) << spread.low << ' ' << spread.high;
     }
     EXPECT_EQ(position({1, 9, {1, 4, 9, true}, {}, 1, true, {}}), 0);
+    EXPECT_EQ(position({0, 9, {0, 0, 9, true}, {}, 1, true, {}}), 0) << "0 is nothing";
 }
 
 TEST(picture_defaults, volumes_and_models_have_one_unit_distance) {
