@@ -162,7 +162,7 @@ PictureRequest request_of(const Layer& layer, const PictureRequest& whole, const
 
 /// Opacities of layers of one file under one range compare: those that state no unit distance have the longest of theirs.
 void share_unit_distances(ResolvedPicture& picture) {
-    const std::vector<Layer>& layers = picture.request.layers;
+    std::vector<Layer>& layers = picture.request.layers;
     const auto shares = [&](std::size_t n) {
         return layers[n].visible && !layers[n].plane && layers[n].transfer.range &&
                picture.layers[n].chosen.unit_distance == UnitDistance::of_map;
@@ -174,7 +174,7 @@ void share_unit_distances(ResolvedPicture& picture) {
         for (std::size_t k = 0; k < layers.size(); ++k)
             if (shares(n) && shares(k) && layers[k].input == layers[n].input &&
                 layers[k].transfer.range == layers[n].transfer.range)
-                unit(n) = std::max(unit(n), unit(k));
+                layers[n].transfer.unit_distance = unit(n) = std::max(unit(n), unit(k));
 }
 
 /// Each layer as a picture of its own, and the request that states them.
@@ -184,6 +184,7 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
         throw RequestError("layers", fmt::format(": {} for {} data sets", request.layers.size(),
                                                  scene.layers.size()));
     std::string names;
+    std::size_t first = 0;  // with values
     for (std::size_t n = 0; n < request.layers.size(); ++n) {
         Layer& layer = request.layers[n];
         ResolvedPicture& own = picture.layers.emplace_back();
@@ -198,10 +199,12 @@ void resolve_layers(ResolvedPicture& picture, const Scene& scene) {
             own.request.plane = layer.plane = resolved_plane(*layer.plane, {}, data.subject);
             own.chosen.transfer = plane_transfer(std::move(own.chosen.transfer), layer);
         }
-        if (names.empty()) picture.field = own.field, picture.chosen = own.chosen;
+        if (names.empty()) first = n;
         names += (names.empty() ? "" : ", ") + field_label(own.field);
     }
     share_unit_distances(picture);
+    if (!names.empty())
+        picture.field = picture.layers[first].field, picture.chosen = picture.layers[first].chosen;
     require_interpolation(picture);
     picture.name = "volume of " + names;
 }

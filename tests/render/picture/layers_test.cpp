@@ -299,6 +299,10 @@ TEST(layers, of_one_file_under_one_range_have_one_unit_distance) {
         request.layers[1].input = other_input;
         request.layers[1].transfer.range->second = other_most;
         const ResolvedPicture made = resolve(request, scene_of_layers({scenes[0], scenes[1]}));
+        // The request that draws it again states them.
+        for (std::size_t n = 0; n < 2; ++n)
+            EXPECT_EQ(made.request.layers[n].transfer.unit_distance,
+                      made.layers[n].chosen.transfer.unit_distance);
         return std::array{made.layers[0].chosen.transfer.unit_distance,
                           made.layers[1].chosen.transfer.unit_distance};
     };
