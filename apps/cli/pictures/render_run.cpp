@@ -345,7 +345,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const GivenOpt
         return layered ? load_layers(arguments.drawing, request, ranks, view)
                        : load_scene(arguments.drawing, request, ranks, view);
     });
-    // A slice without a field is of densities, which signed values are not.
+    // Without a field a slice shows densities; values below 0 are a field.
     if (!inputs.field.empty() && (!request.field.empty() || request.show == Show::slice))
         request.field = inputs.field;
     if (arguments.subject) inputs.scene.subject = *arguments.subject;

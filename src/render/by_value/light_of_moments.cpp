@@ -164,8 +164,7 @@ std::vector<float> labels_of(const ScalarField& field, const Collective* process
 
 }  // namespace
 
-double ValueRange::share(double value) const {
-    if (order.empty()) return (value - lower) / (upper - lower);
+double ValueRange::share_of_label(double value) const {
     const auto at = std::ranges::lower_bound(order, value, std::less<>());
     const double between = at != order.end() && double{*at} == value ? 0 : 0.5;
     return (static_cast<double>(at - order.begin()) - between) /

@@ -24,8 +24,13 @@ struct ValueRange {
     bool labels = false;
     /// All labels, whose shares are even from each to the next; empty: shares are linear.
     std::vector<float> order{};
-    double share(double value) const;
+    double share(double value) const {
+        return order.empty() ? (value - lower) / (upper - lower) : share_of_label(value);
+    }
     double value(double share) const;
+
+  private:
+    double share_of_label(double value) const;
 };
 /// processes  that have parts of the field and make the same call; null: this one alone
 ValueRange value_range(const ScalarField& field, const Collective* processes = nullptr);

@@ -43,7 +43,7 @@ struct NormalPair {
     /// Rounding of sums hides the third moment of less.
     static constexpr float kLeastVariance = 1e-5f;
     static constexpr float kMostSkewness = 3;
-    /// Of labels, of which a part has two: they are the pair. Less of one of them than this variance says is not seen.
+    /// Bounds for labels, where the pair are the two labels of a part; a share of one that gives less variance is not seen.
     static constexpr float kLeastOfLabels = 2e-6f, kMostOfLabels = 1000;
 
     float high, low;  ///< means, within the range
